@@ -1,0 +1,102 @@
+"""All parts' settings in one place, and the YAML files that hold them.
+
+A file is what ROS takes: one section ``/**: ros__parameters:``, every key with the prefix of its
+part.  The nodes get the same values from rcl; tools read the file here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+
+from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.errors import SettingsError
+from dead_reckoning.core.gravity import GravitySettings
+from dead_reckoning.core.integrator import IntegratorSettings
+from dead_reckoning.core.parameters import Settings, refuse_unknown
+from dead_reckoning.core.pipeline import PipelineSettings
+from dead_reckoning.sources import motions
+from dead_reckoning.sources.driver_settings import DriverSettings
+from dead_reckoning.sources.simulated import SimulatedSettings
+
+SettingsType = TypeVar('SettingsType', bound=Settings)
+
+COMMON = (CommonSettings, FrameSettings)
+"""Parts that every node declares."""
+
+DRIVER = (
+    DriverSettings,
+    SimulatedSettings,
+    *(motions.motion_class(name).Settings for name in motions.names()),
+)
+"""Parts of the accelerometer driver."""
+
+PARTS: tuple[type[Settings], ...] = (
+    *DRIVER,
+    GravitySettings,
+    IntegratorSettings,
+    PipelineSettings,
+    *COMMON,
+)
+"""All parts, in the order of the reference page."""
+
+
+class Configuration:
+    """Valid settings of every part, from one mapping of full keys to values.
+
+    Raises `SettingsError` for an unknown key or a value that is not allowed, naming both and what
+    is allowed.
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None) -> None:
+        values = values or {}
+        refuse_unknown(values, PARTS)
+        self._settings = {part: part.from_values(values) for part in PARTS}
+
+    def __getitem__(self, part: type[SettingsType]) -> SettingsType:
+        return self._settings[part]  # type: ignore[return-value]
+
+    @classmethod
+    def load(cls, path: Path) -> Configuration:
+        """Read a parameter file; raises `SettingsError` where it is not one."""
+        return cls(read_values(path))
+
+
+def read_values(path: Path) -> dict[str, Any]:
+    """Read full keys and values from a parameter file, ROS's own keys left out.
+
+    Raises `SettingsError` if there is no such file or it is no parameter file.
+    """
+    try:
+        document = yaml.safe_load(path.read_text(encoding='utf-8'))
+    except OSError as error:
+        raise SettingsError(f'{path}: {error.strerror}; name a parameter file') from error
+    except yaml.YAMLError as error:
+        raise SettingsError(f'{path}: {error}') from error
+    try:
+        section = document['/**']['ros__parameters']
+        flat = dict(_flatten(section))
+    except (TypeError, KeyError, AttributeError) as error:
+        raise SettingsError(f"{path}: no section '/**: ros__parameters:'") from error
+    return {key: value for key, value in flat.items() if not is_ros_key(key)}
+
+
+def is_ros_key(key: str) -> bool:
+    """Say whether a key belongs to ROS itself, and so to every node."""
+    return key.startswith('qos_overrides.') or key in (
+        'use_sim_time',
+        'start_type_description_service',
+    )
+
+
+def _flatten(section: Mapping[str, Any], prefix: str = '') -> list[tuple[str, Any]]:
+    pairs: list[tuple[str, Any]] = []
+    for key, value in section.items():
+        if isinstance(value, Mapping):
+            pairs.extend(_flatten(value, f'{prefix}{key}.'))
+        else:
+            pairs.append((f'{prefix}{key}', value))
+    return pairs

@@ -1,0 +1,90 @@
+"""An analogue accelerometer behind an ADC: specific force to counts, and back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dead_reckoning.core.rest import GRAVITY
+from dead_reckoning.core.samples import Vector
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnalogAccelerometer:
+    """What a data sheet and a circuit say of a three-axis accelerometer and its ADC.
+
+    ``volts = zero_g + sensitivity · f/g`` along each axis, kept within ``swing``; then
+    ``counts = round(volts / reference · 2^bits)``, kept within 0 … 2^bits − 1.
+
+    ``range_g``           nominal range ± [g].
+    ``zero_g``            output at zero g, shape (3,) [V].
+    ``sensitivity``       shape (3,) [V/g].
+    ``zero_g_tolerance``  how far ``zero_g`` of a good part may be off [V].
+    ``swing``             lowest and highest output [V].
+    ``noise``             of one conversion, one sigma [V].
+    ``reference``         of the ADC [V]; ``bits`` its resolution.
+    """
+
+    range_g: float
+    zero_g: Vector
+    sensitivity: Vector
+    zero_g_tolerance: float
+    swing: tuple[float, float]
+    noise: float
+    reference: float
+    bits: int
+
+    @property
+    def volts_per_count(self) -> float:
+        """Size of one count [V]."""
+        return self.reference / (1 << self.bits)
+
+    @property
+    def force_per_count(self) -> Array:
+        """Size of one count along each axis, shape (3,) [m/s²]."""
+        return self.volts_per_count / np.array(self.sensitivity) * GRAVITY
+
+    def volts(self, force_s: Array) -> Array:
+        """Return the output, shape (n, 3) [V], for a specific force, shape (n, 3) [m/s²], frame s.
+
+        The swing is not applied: noise comes before it.
+        """
+        volts: Array = np.array(self.zero_g) + np.array(self.sensitivity) * force_s / GRAVITY
+        return volts
+
+    def counts(self, volts: Array, *, quantise: bool = True) -> Array:
+        """Clip to the swing and convert, shape (n, 3); ``quantise`` off keeps the fractions."""
+        clipped = np.clip(volts, *self.swing) / self.volts_per_count
+        if quantise:
+            clipped = np.floor(clipped + 0.5)
+        counts: Array = np.clip(clipped, 0.0, float((1 << self.bits) - 1))
+        return counts
+
+    def force(self, counts: Array, zero_g: Array) -> Array:
+        """Return the specific force, shape (n, 3) [m/s²], frame s, of counts, shape (n, 3).
+
+        ``zero_g``, shape (3,) [V], is the output at zero g as calibrated.
+        """
+        force: Array = (
+            (counts * self.volts_per_count - zero_g) / np.array(self.sensitivity) * GRAVITY
+        )
+        return force
+
+    def clipped(self, counts: Array) -> NDArray[np.bool_]:
+        """Say which counts, shape (n, 3), stand at an end of the swing or of the ADC."""
+        low, high = self.counts(np.array(self.swing))
+        ends: NDArray[np.bool_] = (counts <= low) | (counts >= high)
+        return ends
+
+    def variance(self, averaged: int) -> Array:
+        """Return the variance, shape (3,) [m²/s⁴], of the mean of ``averaged`` conversions.
+
+        Noise averages out; a count of quantisation may not, where noise is too small to dither it.
+        """
+        noise = self.noise / np.array(self.sensitivity) * GRAVITY
+        variance: Array = noise**2 / averaged + self.force_per_count**2 / 12.0
+        return variance

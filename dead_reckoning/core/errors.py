@@ -1,0 +1,81 @@
+"""The errors this package raises on purpose: one root, a subclass per cause.
+
+Core raises them; a node catches the root only, counts the cause by its class name, says it once in
+a while and drops the sample.  Every message names the value at fault and the remedy.
+"""
+
+
+class DeadReckoningError(Exception):
+    """Root of all errors that this package raises on purpose."""
+
+
+class SettingsError(DeadReckoningError):
+    """A parameter is unknown, of the wrong type or outside what is allowed."""
+
+
+class SampleError(DeadReckoningError):
+    """A sample can't be used; the estimator's state is as it was before it."""
+
+
+class NotFiniteError(SampleError):
+    """A sample holds NaN or an infinity."""
+
+
+class ZeroStampError(SampleError):
+    """A sample carries the stamp 0, which is no time at all."""
+
+
+class RepeatedStampError(SampleError):
+    """A sample carries the stamp of the one before it."""
+
+
+class LateSampleError(SampleError):
+    """A sample is older than one that was used already."""
+
+
+class MissingAttitudeError(SampleError):
+    """A sample carries no orientation, and the chosen source of attitude needs one."""
+
+
+class MissingAccelerationError(SampleError):
+    """A sample says, by covariance[0] = -1, that its device measures no acceleration."""
+
+
+class NotLevelledError(SampleError):
+    """A sample came before the attitude at rest was known."""
+
+
+class UnpairedError(SampleError):
+    """A linear acceleration and an attitude never found the partner with their stamp."""
+
+
+class NotAtRestError(DeadReckoningError):
+    """The device moved while it had to rest."""
+
+
+class GravityError(DeadReckoningError):
+    """At rest the specific force is not within 10 % of gravity: the input is silently wrong."""
+
+
+class MountingError(DeadReckoningError):
+    """Gravity is far from the up axis: legitimate for a tilted mounting, else a wrong sign or NED."""
+
+
+class CalibrationError(DeadReckoningError):
+    """An offset found at rest is beyond what the sensor can have."""
+
+
+class SupersededError(DeadReckoningError):
+    """A task was asked for again before it ended."""
+
+
+class WireError(DeadReckoningError):
+    """Bytes are not the message they were taken for."""
+
+
+class RecordingError(DeadReckoningError):
+    """A recording can't be read, or does not hold what was asked of it."""
+
+
+class DependencyError(DeadReckoningError):
+    """Something that was asked for needs a package that is not installed."""

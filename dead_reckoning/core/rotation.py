@@ -1,0 +1,111 @@
+"""Rotate vectors, quaternions and covariances given as tuples.
+
+``rot_wb`` takes b into w: ``v_w = rotate(rot_wb, v_b)``.  Quaternions are (x, y, z, w).  Derived in
+docs/conventions.md, "Rotations".
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, sin, sqrt
+
+from dead_reckoning.core.samples import Matrix, Quaternion, Vector
+
+
+def matrix_from_quaternion(quaternion: Quaternion) -> Matrix:
+    """Turn a unit quaternion (x, y, z, w) into the rotation matrix, shape (3, 3), it stands for."""
+    x, y, z, w = quaternion
+    xx, yy, zz = x * x, y * y, z * z
+    xy, xz, yz = x * y, x * z, y * z
+    wx, wy, wz = w * x, w * y, w * z
+    return (
+        1.0 - 2.0 * (yy + zz), 2.0 * (xy - wz), 2.0 * (xz + wy),
+        2.0 * (xy + wz), 1.0 - 2.0 * (xx + zz), 2.0 * (yz - wx),
+        2.0 * (xz - wy), 2.0 * (yz + wx), 1.0 - 2.0 * (xx + yy),
+    )  # fmt: skip
+
+
+def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
+    """Turn roll, pitch, yaw [rad], applied in this order about the fixed x, y, z, into (x, y, z, w)."""
+    cr, sr = cos(roll / 2), sin(roll / 2)
+    cp, sp = cos(pitch / 2), sin(pitch / 2)
+    cy, sy = cos(yaw / 2), sin(yaw / 2)
+    return (
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+        cr * cp * cy + sr * sp * sy,
+    )
+
+
+def euler_from_gravity(specific_force_s: Vector) -> tuple[float, float]:
+    """Read roll and pitch [rad] off the specific force at rest, shape (3,), frame of the sensor.
+
+    At rest ``f_s = rot_sw · (0, 0, g)``, which gives ``roll = atan2(f_y, f_z)`` and
+    ``pitch = atan2(-f_x, √(f_y² + f_z²))``; yaw does not show.
+    """
+    fx, fy, fz = specific_force_s
+    return atan2(fy, fz), atan2(-fx, hypot(fy, fz))
+
+
+def yaw_from_quaternion(quaternion: Quaternion) -> float:
+    """Read the yaw [rad] off a quaternion (x, y, z, w)."""
+    x, y, z, w = quaternion
+    return atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def normalized(quaternion: Quaternion) -> Quaternion:
+    """Bring a quaternion to unit length; raises ZeroDivisionError for (0, 0, 0, 0)."""
+    x, y, z, w = quaternion
+    scale = 1.0 / sqrt(x * x + y * y + z * z + w * w)
+    return (x * scale, y * scale, z * scale, w * scale)
+
+
+def rotate(rot_wb: Matrix, vector_b: Vector) -> Vector:
+    """Take a vector from b to w: ``rot_wb · v_b``."""
+    a, b, c, d, e, f, g, h, i = rot_wb
+    x, y, z = vector_b
+    return (a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z)
+
+
+def rotate_back(rot_wb: Matrix, vector_w: Vector) -> Vector:
+    """Take a vector from w to b: ``rot_wbᵀ · v_w``."""
+    a, b, c, d, e, f, g, h, i = rot_wb
+    x, y, z = vector_w
+    return (a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z)
+
+
+def rotate_covariance(rot_wb: Matrix, covariance_b: Matrix) -> Matrix:
+    """Take a covariance, shape (3, 3), from b to w: ``rot_wb · Σ_b · rot_wbᵀ``."""
+    xx, xy, xz, _, yy, yz, _, _, zz = covariance_b
+    if xx == yy == zz and xy == xz == yz == 0.0:
+        return covariance_b  # a sphere looks the same from everywhere
+    return similarity(rot_wb, covariance_b)
+
+
+def cross_covariance(vector: Vector, covariance: Matrix) -> Matrix:
+    """Say how well ``v × θ`` is known when θ, shape (3,), has Σ: ``[v]× · Σ · [v]×ᵀ``."""
+    x, y, z = vector
+    return similarity((0.0, -z, y, z, 0.0, -x, -y, x, 0.0), covariance)
+
+
+def similarity(m: Matrix, s: Matrix) -> Matrix:
+    """Multiply out ``m · s · mᵀ`` for a symmetric s; shapes (3, 3)."""
+    xx, xy, xz, _, yy, yz, _, _, zz = s
+    a, b, c, d, e, f, g, h, i = m
+    ax, ay, az = a * xx + b * xy + c * xz, a * xy + b * yy + c * yz, a * xz + b * yz + c * zz
+    dx, dy, dz = d * xx + e * xy + f * xz, d * xy + e * yy + f * yz, d * xz + e * yz + f * zz
+    gx, gy, gz = g * xx + h * xy + i * xz, g * xy + h * yy + i * yz, g * xz + h * yz + i * zz
+    ad = ax * d + ay * e + az * f
+    ag = ax * g + ay * h + az * i
+    dg = dx * g + dy * h + dz * i
+    return (
+        ax * a + ay * b + az * c, ad, ag,
+        ad, dx * d + dy * e + dz * f, dg,
+        ag, dg, gx * g + gy * h + gz * i,
+    )  # fmt: skip
+
+
+def isotropic(deviation: float) -> Matrix:
+    """Return the covariance, shape (3, 3), of one deviation on every axis."""
+    variance = deviation * deviation
+    return (variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance)

@@ -1,0 +1,1 @@
+"""Models of sensors, one module each: counts to specific force and back."""

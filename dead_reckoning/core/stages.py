@@ -1,0 +1,77 @@
+"""What each estimator takes and gives in a chain, by topic name."""
+
+from __future__ import annotations
+
+from dead_reckoning.core.chain import FAULT, Chain, Output, Stage
+from dead_reckoning.core.errors import SampleError
+from dead_reckoning.core.gravity import GravityRemoval
+from dead_reckoning.core.integrator import Integrator
+from dead_reckoning.core.pairing import StampPairs
+from dead_reckoning.core.samples import ImuSample, LinearAcceleration
+
+RAW = 'imu/data_raw'
+IMU = 'imu/data'
+ACCELERATION = 'imu/linear_acceleration'
+ODOMETRY = 'odom'
+STATIONARY = 'stationary'
+GROUND_TRUTH = 'ground_truth/odom'
+
+
+def gravity_input(attitude: str) -> str:
+    """Name the topic that gravity removal takes: an Imu with its attitude, or without."""
+    return IMU if attitude == 'message' else RAW
+
+
+def gravity_stage(removal: GravityRemoval) -> Stage:
+    """Take an Imu; give the linear acceleration, and the Imu with attitude if it came without."""
+
+    def take(imu: ImuSample) -> list[Output]:
+        outputs: list[Output] = []
+        try:
+            levelled = removal.update(imu)
+        except SampleError as error:
+            outputs.append((FAULT, error))
+        else:
+            if levelled.imu is not imu:
+                outputs.append((IMU, levelled.imu))
+            outputs.append((ACCELERATION, levelled.acceleration))
+        if removal.findings:
+            outputs.extend((FAULT, finding) for finding in removal.findings)
+            removal.findings.clear()
+        return outputs
+
+    return {gravity_input(removal.settings.attitude): take}
+
+
+def integrator_stage(integrator: Integrator) -> Stage:
+    """Take linear acceleration and attitude with equal stamps; give the state, and rest on change."""
+    pairs: StampPairs[LinearAcceleration, ImuSample] = StampPairs()
+    said: bool | None = None
+
+    def integrate(pair: tuple[LinearAcceleration, ImuSample] | None) -> list[Output]:
+        nonlocal said
+        outputs: list[Output] = []
+        lost = pairs.collect_lost(ACCELERATION, IMU)
+        if lost is not None:
+            outputs.append((FAULT, lost))
+        if pair is None:
+            return outputs
+        try:
+            state = integrator.update(*pair)
+        except SampleError as error:
+            return [*outputs, (FAULT, error)]
+        outputs.append((ODOMETRY, state))
+        if state.stationary is not said:
+            said = state.stationary
+            outputs.append((STATIONARY, said))
+        return outputs
+
+    return {
+        ACCELERATION: lambda sample: integrate(pairs.left(sample.stamp_ns, sample)),
+        IMU: lambda imu: integrate(pairs.right(imu.stamp_ns, imu)),
+    }
+
+
+def integrator_chain(removal: GravityRemoval, integrator: Integrator) -> Chain:
+    """Go the whole way from an Imu to where it is."""
+    return Chain([gravity_stage(removal), integrator_stage(integrator)])

@@ -1,0 +1,1 @@
+"""Thin ROS 2 nodes around a chain: parameters, messages, topics, services, diagnostics."""

@@ -1,0 +1,1 @@
+"""Where samples come from: simulated sensors and recordings."""
