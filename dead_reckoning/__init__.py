@@ -14,24 +14,26 @@ Frames
     ``s``  sensor (`imu_link`).
 
     A vector carries its frame as a suffix, ``force_s``; ``rot_ws`` takes s into w:
-    ``force_w = rot_ws · force_s``.  Quaternions are (x, y, z, w), unit length, as in geometry_msgs.
-    Covariances of an attitude are about the axes of the world.
+    ``force_w = rot_ws · force_s``.  Quaternions are (x, y, z, w), unit length, as in
+    geometry_msgs.  Covariances of an attitude are about the axes of the world.
 
 Words
-    *specific force*       what an accelerometer measures: gravity in it, +g on the up axis at rest.
+    *specific force*       what an accelerometer measures: gravity in it, +g on the up axis at
+                           rest.
     *linear acceleration*  the specific force with gravity taken off, in the world.
     *rest*, *stationary*   the device does not move; *movement-end check* is how AN3397 finds out.
     *offset*               what a sensor reads at zero g, against what it should read.
 
 Values
-    Samples and states are frozen dataclasses with tuples of floats (`dead_reckoning.core.samples`);
-    settings are frozen dataclasses that are valid once they exist (`dead_reckoning.core.parameters`);
-    errors have one root (`dead_reckoning.core.errors`).  A covariance of zeros is unknown, one whose
-    first element is −1 says that the quantity is not measured (REP-145).
+    Samples and states are frozen dataclasses with tuples of floats
+    (`dead_reckoning.core.samples`); settings are frozen dataclasses that are valid once they
+    exist (`dead_reckoning.core.parameters`); errors have one root
+    (`dead_reckoning.core.errors`).  A covariance of zeros is unknown, one whose first element
+    is −1 says that the quantity is not measured (REP-145).
 
 Rooms
-    ``core``     samples, settings, models, estimators, the chain that composes them; no ROS, clock,
-                 file or log.
+    ``core``     samples, settings, models, estimators, the chain that composes them; no ROS,
+                 clock, file or log.
     ``sources``  where samples come from: simulated sensors, recordings.
     ``configuration``  all parts' settings, and the YAML files that hold them.
     ``nodes``    thin ROS 2 nodes around a chain.

@@ -1,1 +1,1 @@
-"""Samples, settings, models, estimators and the chain that composes them; no ROS, no clock, no file."""
+"""Samples, settings, models, estimators and the chain of them; no ROS, no clock, no file."""

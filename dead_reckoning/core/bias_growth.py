@@ -18,11 +18,12 @@ FLOOR = 1e-9
 class BiasGrowth:
     """Carry the covariance of position and velocity through double integration.
 
-    A wrong attitude and the rest of an offset are constant, so they are no noise that averages out:
-    an attitude error θ (world) and an offset b (sensor) add ``rot_ws·b − [f_w]×·θ`` to every
+    A wrong attitude and the rest of an offset are constant, so they are no noise that averages
+    out: an attitude error θ (world) and an offset b (sensor) add ``rot_ws·b − [f_w]×·θ`` to every
     acceleration.  The sensitivities of position and velocity to (θ, b) are integrated beside them,
     so at rest the deviation of position grows as ½·g·σ·t².  White noise is carried beside it, one
-    variance for all axes.  ``axes`` says along which axes of the sensor the body moves at all.  Derived in docs/integrator.md, "Covariance".
+    variance for all axes.  ``axes`` says along which axes of the sensor the body moves at all.
+    Derived in docs/integrator.md, "Covariance".
     """
 
     def __init__(self, offset_deviation: float, axes: Sequence[bool] = (True, True, True)) -> None:
@@ -44,8 +45,8 @@ class BiasGrowth:
         """Grow over one sample.
 
         ``dt`` [s]; ``force_w`` the specific force, shape (3,) [m/s²], world; ``attitude`` the
-        covariance of the attitude, shape (3, 3) [rad²], world; ``noise`` that of the specific force
-        of one sample, shape (3, 3) [m²/s⁴].
+        covariance of the attitude, shape (3, 3) [rad²], world; ``noise`` that of the specific
+        force of one sample, shape (3, 3) [m²/s⁴].
         """
         if attitude is not self._attitude_covariance:
             self._attitude_covariance = attitude

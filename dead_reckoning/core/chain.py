@@ -1,8 +1,8 @@
 """Compose estimators: samples in, named outputs out.
 
-Names are the relative topic names of the design (``imu/data_raw``, ``odom``, …), so a single node is
-a chain of one stage, ``pipeline`` and ``replay`` are whole chains, and all of them give the same
-numbers.
+Names are the relative topic names of the design (``imu/data_raw``, ``odom``, …), so a single node
+is a chain of one stage, ``pipeline`` and ``replay`` are whole chains, and all of them give the
+same numbers.
 """
 
 from __future__ import annotations

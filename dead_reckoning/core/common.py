@@ -1,4 +1,4 @@
-"""Settings that every node shares: the executor, the frames, and what to assume of silent input."""
+"""Settings that every node shares: executor, frames, and what to assume where input is silent."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ class GravityError(DeadReckoningError):
 
 
 class MountingError(DeadReckoningError):
-    """Gravity is far from the up axis: legitimate for a tilted mounting, else a wrong sign or NED."""
+    """Gravity is far from the up axis: fine for a tilted mounting, else a wrong sign or NED."""
 
 
 class CalibrationError(DeadReckoningError):

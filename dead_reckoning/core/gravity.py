@@ -47,8 +47,8 @@ class GravitySettings(Settings, prefix='gravity'):
 
     attitude: str = parameter(
         'rest',
-        'Source of the attitude: message (the orientation of imu/data) or rest (roll and pitch from '
-        'the gravity vector at rest, held; yaw 0)',
+        'Source of the attitude: message (the orientation of imu/data) or rest (roll and pitch '
+        'from the gravity vector at rest, held; yaw 0)',
         choices=('message', 'rest'),
     )
     magnitude: float = parameter(
@@ -56,8 +56,8 @@ class GravitySettings(Settings, prefix='gravity'):
     )
     measure: bool = parameter(
         True,
-        'Take the magnitude of gravity from the first rest: a sensor may well rest at 1.008 g. With '
-        'attitude: rest it is always measured',
+        'Take the magnitude of gravity from the first rest: a sensor may well rest at 1.008 g. '
+        'With attitude: rest it is always measured',
     )
     rest_duration: float = parameter(
         0.5, 'How long the device must rest to be levelled', unit='s', minimum=0.05, maximum=60.0
@@ -91,8 +91,8 @@ class GravityRemoval:
 
     Attitude `message` takes the orientation of each sample; `rest` holds the roll and pitch that
     gravity showed at the first rest, and no sample passes before.  The first sample starts the
-    search for rest.  A stale stamp is refused; one that goes back by more than 1 s starts all over.
-    A gap changes nothing, as no state depends on the time between samples.
+    search for rest.  A stale stamp is refused; one that goes back by more than 1 s starts all
+    over.  A gap changes nothing, as no state depends on the time between samples.
     """
 
     def __init__(self, settings: GravitySettings, common: CommonSettings, frames: FrameSettings):
@@ -160,8 +160,8 @@ class GravityRemoval:
                 attitude = self._quaternion
         if attitude is None:
             raise NotLevelledError(
-                'waiting for rest: the attitude is taken from gravity, so keep the device still for '
-                f'{self.settings.rest_duration:g} s'
+                'waiting for rest: the attitude is taken from gravity, so keep the device still '
+                f'for {self.settings.rest_duration:g} s'
             )
         tilt = imu.orientation_covariance if from_message else UNKNOWN
         if tilt == UNKNOWN:
@@ -196,8 +196,8 @@ class GravityRemoval:
         quaternion = imu.orientation
         if quaternion is None:
             raise MissingAttitudeError(
-                'the Imu carries no orientation, and gravity.attitude is message: take a topic that '
-                'has one, or set gravity.attitude to rest'
+                'the Imu carries no orientation, and gravity.attitude is message: take a topic '
+                'that has one, or set gravity.attitude to rest'
             )
         x, y, z, w = quaternion
         square = x * x + y * y + z * z + w * w

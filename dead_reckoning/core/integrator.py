@@ -1,4 +1,4 @@
-"""Integrate linear acceleration twice, with the window and the movement-end check of the documents."""
+"""Integrate linear acceleration twice, with the documents' window and movement-end check."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ class IntegratorSettings(Settings, prefix='integrator'):
 
     method: str = parameter(
         'trapezoid',
-        'trapezoid (AN3397 and mbed, first order between samples) or euler (CH Robotics section 3, '
-        'the value before each step)',
+        'trapezoid (AN3397 and mbed, first order between samples) or euler (CH Robotics '
+        'section 3, the value before each step)',
         choices=('trapezoid', 'euler'),
     )
     axes: tuple[str, ...] = parameter(
@@ -48,8 +48,8 @@ class IntegratorSettings(Settings, prefix='integrator'):
     )
     window_minimum: float = parameter(
         -0.05,
-        'Discrimination window: an acceleration along an axis of the sensor from window_minimum to '
-        'window_maximum counts as none',
+        'Discrimination window: an acceleration along an axis of the sensor from window_minimum '
+        'to window_maximum counts as none',
         unit='m/s²',
         maximum=0.0,
         mutable=True,
@@ -109,8 +109,8 @@ class IntegratorSettings(Settings, prefix='integrator'):
         """Raise `SettingsError` where the window holds nothing but zero and the check needs it."""
         if self.movement_end != 'off' and self.window_minimum == self.window_maximum:
             raise SettingsError(
-                'integrator.window_maximum: 0.0 leaves the movement-end check nothing that counts as '
-                'quiet; widen the window or set integrator.movement_end to off'
+                'integrator.window_maximum: 0.0 leaves the movement-end check nothing that counts '
+                'as quiet; widen the window or set integrator.movement_end to off'
             )
 
 
@@ -121,9 +121,9 @@ class Integrator:
     Robotics section 3 for `euler`.  The window looks along the axes of the sensor, the integration
     runs in the world; time steps come from the stamps.  docs/integrator.md derives it.
 
-    The first sample only sets the start.  A stale stamp is refused.  One that goes back by more than
-    1 s starts all over.  Over a gap nothing is integrated and the covariance grows.  A clipped sample
-    shows in the covariance its driver gives it.
+    The first sample only sets the start.  A stale stamp is refused.  One that goes back by more
+    than 1 s starts all over.  Over a gap nothing is integrated and the covariance grows.  A
+    clipped sample shows in the covariance its driver gives it.
     """
 
     def __init__(self, settings: IntegratorSettings, common: CommonSettings):
@@ -183,8 +183,8 @@ class Integrator:
             raise NotFiniteError(f'the linear acceleration is {accel_w}: check its source')
         if imu.orientation is None:
             raise MissingAttitudeError(
-                'the Imu with the stamp of this acceleration carries no orientation: take imu/data '
-                'from gravity_removal, or from a driver that knows its attitude'
+                'the Imu with the stamp of this acceleration carries no orientation: take '
+                'imu/data from gravity_removal, or from a driver that knows its attitude'
             )
         restarts = self._timeline.restarts
         step_ns = self._timeline.advance(imu.stamp_ns)

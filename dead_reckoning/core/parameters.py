@@ -80,7 +80,8 @@ class Parameter:
     def _check_scalar(self, value: Any, whole: Any = None) -> Any:
         whole = value if whole is None else whole
         scalar_type = (get_args(self.type) or (self.type,))[0]
-        if scalar_type is float and isinstance(value, (int, float)) and not isinstance(value, bool):
+        a_bool = isinstance(value, bool)
+        if scalar_type is float and isinstance(value, (int, float)) and not a_bool:
             value = float(value)
         if type(value) is not scalar_type:
             raise self._refused(whole)
@@ -146,7 +147,7 @@ def parameter(
     length: int = 0,
     mutable: bool = False,
 ) -> Any:
-    """Declare one field of a `Settings` class; see `Parameter` for the meaning of each argument."""
+    """Declare one field of a `Settings` class; `Parameter` says what each argument means."""
     declaration = {
         'default': default,
         'description': description,

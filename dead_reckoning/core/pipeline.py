@@ -13,7 +13,8 @@ class PipelineSettings(Settings, prefix='pipeline'):
 
     source: str = parameter(
         'simulated',
-        "topic (imu/data_raw, or imu/data where gravity.attitude is message) or one of the driver's",
+        'topic (imu/data_raw, or imu/data where gravity.attitude is message) or one of the '
+        "driver's",
         choices=('topic', 'simulated'),
     )
     estimators: tuple[str, ...] = parameter(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acos, degrees, sqrt
+from math import acos, degrees, inf, sqrt
 
 from dead_reckoning.core.errors import GravityError, MountingError, NotAtRestError
 from dead_reckoning.core.samples import NANOSECONDS, Vector
@@ -91,7 +91,10 @@ _CAUSES = (
     (0.0, 0.5, 'gravity is removed already (take the raw topic)'),
     (0.9, 1.1, 'the unit is g instead of m/s² (multiply by 9.80665)'),
     (900.0, 1100.0, 'the unit is mg instead of m/s² (multiply by 0.00980665)'),
-    (0.0, float('inf'), "the sensor's range, supply or scale is set wrong (driver.range_g, driver.supply)"),
+    (
+        0.0, inf,
+        "the sensor's range, supply or scale is set wrong (driver.range_g, driver.supply)",
+    ),
 )  # fmt: skip
 
 
@@ -101,7 +104,7 @@ def check_up_axis(specific_force: Vector) -> None:
     angle = degrees(acos(max(-1.0, min(1.0, specific_force[2] / magnitude))))
     if angle > UP_AXIS_TOLERANCE:
         raise MountingError(
-            f'at rest the specific force is {angle:.0f}° off the up axis (z): fine if the sensor is '
-            'mounted that way; else the sign is turned (at rest +g belongs on the up axis), the '
-            'device is upside down, or its axes or attitude are NED where ENU is meant'
+            f'at rest the specific force is {angle:.0f}° off the up axis (z): fine if the sensor '
+            'is mounted that way; else the sign is turned (at rest +g belongs on the up axis), '
+            'the device is upside down, or its axes or attitude are NED where ENU is meant'
         )

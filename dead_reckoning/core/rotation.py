@@ -1,7 +1,7 @@
 """Rotate vectors, quaternions and covariances given as tuples.
 
-``rot_wb`` takes b into w: ``v_w = rotate(rot_wb, v_b)``.  Quaternions are (x, y, z, w).  Derived in
-docs/conventions.md, "Rotations".
+``rot_wb`` takes b into w: ``v_w = rotate(rot_wb, v_b)``.  Quaternions are (x, y, z, w).  Derived
+in docs/conventions.md, "Rotations".
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dead_reckoning.core.samples import Matrix, Quaternion, Vector
 
 
 def matrix_from_quaternion(quaternion: Quaternion) -> Matrix:
-    """Turn a unit quaternion (x, y, z, w) into the rotation matrix, shape (3, 3), it stands for."""
+    """Turn a unit quaternion (x, y, z, w) into its rotation matrix, shape (3, 3)."""
     x, y, z, w = quaternion
     xx, yy, zz = x * x, y * y, z * z
     xy, xz, yz = x * y, x * z, y * z
@@ -25,7 +25,7 @@ def matrix_from_quaternion(quaternion: Quaternion) -> Matrix:
 
 
 def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
-    """Turn roll, pitch, yaw [rad], applied in this order about the fixed x, y, z, into (x, y, z, w)."""
+    """Turn roll, pitch, yaw [rad], in this order about the fixed x, y, z, into (x, y, z, w)."""
     cr, sr = cos(roll / 2), sin(roll / 2)
     cp, sp = cos(pitch / 2), sin(pitch / 2)
     cy, sy = cos(yaw / 2), sin(yaw / 2)

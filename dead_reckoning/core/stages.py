@@ -44,7 +44,7 @@ def gravity_stage(removal: GravityRemoval) -> Stage:
 
 
 def integrator_stage(integrator: Integrator) -> Stage:
-    """Take linear acceleration and attitude with equal stamps; give the state, and rest on change."""
+    """Take acceleration and attitude with equal stamps; give the state, and rest on change."""
     pairs: StampPairs[LinearAcceleration, ImuSample] = StampPairs()
     said: bool | None = None
 

@@ -43,8 +43,8 @@ class Timeline:
         back_ns = last_ns - stamp_ns
         if back_ns < RESTART_NS:
             raise LateSampleError(
-                f'the stamp {stamp_ns} ns is {back_ns / NANOSECONDS:.6f} s older than the last one: '
-                'publish samples in the order of their stamps'
+                f'the stamp {stamp_ns} ns is {back_ns / NANOSECONDS:.6f} s older than the last '
+                'one: publish samples in the order of their stamps'
             )
         self.restarts += 1
         self._last_ns = stamp_ns

@@ -56,10 +56,11 @@ class ZeroGCalibration:
             off_g = off[worst] / model.sensitivity[worst]
             tilt = degrees(asin(min(1.0, abs(off_g))))
             raise CalibrationError(
-                f'the offset of axis {"xyz"[worst]} would be {off[worst]:+.3f} V ({off_g:+.3f} g), a '
-                f'good part has up to ±{model.zero_g_tolerance:.3f} V: the device is not level '
-                f'({tilt:.0f}° would look like this), its z axis does not point up, or '
-                'driver.range_g, driver.supply or driver.adc_reference do not fit the circuit'
+                f'the offset of axis {"xyz"[worst]} would be {off[worst]:+.3f} V '
+                f'({off_g:+.3f} g), a good part has up to ±{model.zero_g_tolerance:.3f} V: the '
+                f'device is not level ({tilt:.0f}° would look like this), its z axis does not '
+                'point up, or driver.range_g, driver.supply or driver.adc_reference do not fit '
+                'the circuit'
             )
         return zero_g
 

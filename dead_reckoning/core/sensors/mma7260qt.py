@@ -18,7 +18,7 @@ SWING_MARGIN = 0.25
 """How close to the rails the output swings [V]."""
 
 NOISE = 0.0047
-"""Noise over 0.1 Hz to 1 kHz, one sigma [V]; the sheet's 350 µg/√Hz says otherwise: a parameter."""
+"""Noise over 0.1 Hz to 1 kHz, one sigma [V]; the sheet's 350 µg/√Hz disagrees: a parameter."""
 
 
 def sensitivity(range_g: float, supply: float) -> float:

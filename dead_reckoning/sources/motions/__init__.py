@@ -1,8 +1,8 @@
 """Motions of the simulator with their exact truth: one module each, found by its name.
 
-A module of this package offers ``MOTION``, a class that is built from its own settings (their prefix
-is ``driver.`` and the name of the module) and gives `Kinematics` for any times.  A new motion is one
-file.
+A module of this package offers ``MOTION``, a class that is built from its own settings (their
+prefix is ``driver.`` and the name of the module) and gives `Kinematics` for any times.  A new
+motion is one file.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 class Kinematics:
     """The truth at n times, in the frame of the table the motion happens on.
 
-    ``position`` [m], ``velocity`` [m/s], ``acceleration`` [m/s²], shapes (n, 3).  The body does not
-    turn against the table.
+    ``position`` [m], ``velocity`` [m/s], ``acceleration`` [m/s²], shapes (n, 3).  The body does
+    not turn against the table.
     """
 
     position: Array

@@ -28,8 +28,9 @@ class SlideSettings(Settings, prefix='driver.slide'):
 class Slide:
     """The smoothest way from A to B: the polynomial of least jerk.
 
-    With ``τ = (t − start)/duration``: ``s = distance · (10τ³ − 15τ⁴ + 6τ⁵)``; position, velocity and
-    acceleration are continuous (Flash and Hogan 1985, doi:10.1523/JNEUROSCI.05-07-01688.1985).
+    With ``τ = (t − start)/duration``: ``s = distance · (10τ³ − 15τ⁴ + 6τ⁵)``; position, velocity
+    and acceleration are continuous (Flash and Hogan 1985,
+    doi:10.1523/JNEUROSCI.05-07-01688.1985).
     """
 
     Settings: ClassVar[type[Settings]] = SlideSettings
