@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dead_reckoning.core.chain import FAULT, Chain, Output, Stage
+from dead_reckoning.core.chain import FAULT, Output, Stage
 from dead_reckoning.core.errors import SampleError
 from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.integrator import Integrator
@@ -70,8 +70,3 @@ def integrator_stage(integrator: Integrator) -> Stage:
         ACCELERATION: lambda sample: integrate(pairs.left(sample.stamp_ns, sample)),
         IMU: lambda imu: integrate(pairs.right(imu.stamp_ns, imu)),
     }
-
-
-def integrator_chain(removal: GravityRemoval, integrator: Integrator) -> Chain:
-    """Go the whole way from an Imu to where it is."""
-    return Chain([gravity_stage(removal), integrator_stage(integrator)])

@@ -1,0 +1,214 @@
+"""What every node here is: parameters, a chain, and topics, services and diagnostics around it."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import sys
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from concurrent.futures import Future
+from functools import partial
+from typing import Any
+
+import rclpy
+from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import InvalidHandle
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.service import Service
+
+from dead_reckoning.configuration import COMMON
+from dead_reckoning.core.chain import FAULT, Chain, Output
+from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.errors import DeadReckoningError, WireError
+from dead_reckoning.core.parameters import Settings
+from dead_reckoning.core.stages import ODOMETRY
+from dead_reckoning.nodes import parameters
+from dead_reckoning.nodes.diagnostics import Diagnostics
+from dead_reckoning.nodes.services import DeferredServices
+from dead_reckoning.nodes.topics import publisher_qos, subscription_qos, topics
+from dead_reckoning.nodes.transforms import transform_sender
+
+SERVICE_PERIOD = 0.05
+DIAGNOSTICS_PERIOD = 1.0
+SPIN_TIMEOUT = 0.5
+
+
+class ChainNode(Node):
+    """A node around a chain: bytes in, samples through the chain, bytes out.
+
+    Subclasses build their estimators from `configuration`, then call `connect` and `offer`.
+    """
+
+    def __init__(self, name: str, parts: Iterable[type[Settings]]) -> None:
+        """Raise `SettingsError` for a parameter that is unknown or not allowed."""
+        self._deferred: Collection[Service] = ()
+        super().__init__(name)
+        self.configuration = parameters.declare(self, (*parts, *COMMON))
+        self.common = self.configuration[CommonSettings]
+        self.frames = self.configuration[FrameSettings]
+        self._topics = topics(self.frames)
+        self._chain = Chain([])
+        self._writers: dict[str, Callable[[Any], None]] = {}
+        self._figures: list[Callable[[], Mapping[str, object]]] = []
+        self.diagnostics = Diagnostics(self, self._all_figures)
+        deferred = DeferredServices(self, self.common.service_timeout)
+        self._deferred = self._services_offered = deferred
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(SERVICE_PERIOD, deferred.poll, clock=steady)
+        self.create_timer(DIAGNOSTICS_PERIOD, self.diagnostics.publish, clock=steady)
+
+    @property
+    def services(self) -> Iterator[Service]:
+        """Yield the services that the executor answers: all but those that are deferred."""
+        return (service for service in super().services if service not in self._deferred)
+
+    def connect(
+        self,
+        chain: Chain,
+        *,
+        inputs: Iterable[str],
+        outputs: Iterable[str],
+        on_demand: Collection[str] = (),
+    ) -> None:
+        """Subscribe the inputs of a chain and publish its outputs, by topic name.
+
+        Outputs named in ``on_demand`` are written only while someone subscribes.
+        """
+        self._chain = chain
+        for name in outputs:
+            topic = self._topics[name]
+            publisher = self.create_publisher(
+                topic.message,
+                name,
+                publisher_qos(topic.latched),
+                qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+            )
+            write = _write_on_demand if name in on_demand else _write
+            self._writers[name] = partial(write, publisher, topic.encode)
+        if self.frames.publish_tf and ODOMETRY in self._writers:
+            self._writers[ODOMETRY] = _both(
+                self._writers[ODOMETRY], transform_sender(self, self.frames)
+            )
+        for name in inputs:
+            topic = self._topics[name]
+            self.create_subscription(
+                topic.message,
+                name,
+                partial(self._receive, name, topic.decode),
+                subscription_qos(),
+                raw=True,
+                qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+            )
+
+    def offer(self, name: str, begin: Callable[[], Future[str] | str]) -> None:
+        """Offer the Trigger service ``~/name``; see `DeferredServices.add`."""
+        self._services_offered.add(name, begin)
+
+    def show(self, figures: Callable[[], Mapping[str, object]]) -> None:
+        """Add figures to what /diagnostics shows."""
+        self._figures.append(figures)
+
+    def count_subscribers_of(self, name: str) -> int:
+        """Return how many subscribers a topic has, by its name in the design."""
+        return self.count_subscribers(self.resolve_topic_name(name))
+
+    def feed(self, name: str, sample: Any) -> None:
+        """Take a sample of this node's own source: publish it, and run it through the chain."""
+        self.diagnostics.samples += 1
+        self._put_out([(name, sample)])
+        self._put_out(self._chain.push(name, sample))
+
+    def _receive(self, name: str, decode: Callable[[bytes], Any], data: bytes) -> None:
+        self.diagnostics.samples += 1
+        try:
+            sample = decode(data)
+        except WireError as error:
+            self.diagnostics.fault(error)
+            return
+        self._put_out(self._chain.push(name, sample))
+
+    def _put_out(self, flow: Iterable[Output]) -> None:
+        for name, value in flow:
+            write = self._writers.get(name)
+            if write is not None:
+                write(value)
+            elif name == FAULT:
+                self.diagnostics.fault(value)
+
+    def _all_figures(self) -> Mapping[str, object]:
+        return {key: value for figures in self._figures for key, value in figures().items()}
+
+
+def _write(publisher: Publisher, encode: Callable[[Any], bytes], value: Any) -> None:
+    publisher.publish(encode(value))
+
+
+def _write_on_demand(publisher: Publisher, encode: Callable[[Any], bytes], value: Any) -> None:
+    if publisher.get_subscription_count():
+        publisher.publish(encode(value))
+
+
+def _both(first: Callable[[Any], None], second: Callable[[Any], None]) -> Callable[[Any], None]:
+    def write(value: Any) -> None:
+        first(value)
+        second(value)
+
+    return write
+
+
+def run(make_node: Callable[[], ChainNode]) -> int:
+    """Run a node until it is told to stop; return the exit status.
+
+    Ctrl-C and SIGTERM end it with status 0, wrong parameters with one line and status 2.
+    """
+    try:
+        rclpy.init()
+    except RuntimeError as error:  # rcl's complaint about arguments and parameter files
+        print(f'dead_reckoning: {_one_line(error)}', file=sys.stderr)
+        return 2
+    node: ChainNode | None = None
+    try:
+        node = make_node()
+        _spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        return 0
+    except DeadReckoningError as error:
+        rclpy.logging.get_logger('dead_reckoning').fatal(str(error))
+        return 2
+    except RuntimeError:
+        if rclpy.ok():  # after a shutdown rclpy trips over its own context now and then
+            raise
+    finally:
+        # A second Ctrl-C (ros2 launch sends one too) must not interrupt the tidying.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        if node is not None:
+            with contextlib.suppress(InvalidHandle):
+                node.destroy_node()
+        rclpy.try_shutdown()
+    return 0
+
+
+def _spin(node: ChainNode) -> None:
+    executor = _executor(node.common.executor)
+    executor.add_node(node)
+    while rclpy.ok():
+        # The events executor's own spin() does not hear a shutdown.
+        executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+
+
+def _executor(kind: str) -> Executor:
+    if kind == 'single':
+        return SingleThreadedExecutor()
+    from rclpy.experimental import EventsExecutor
+
+    return EventsExecutor()
+
+
+def _one_line(error: Exception) -> str:
+    text = ' '.join(str(error).split())
+    if 'bool' in text:
+        text += " (an unquoted y, n, yes, no, on or off is a boolean in YAML: quote it, as 'y')"
+    return text

@@ -1,0 +1,83 @@
+"""Count what happens, say it once in a while, and publish it on /diagnostics."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+
+from dead_reckoning.core.errors import (
+    DeadReckoningError,
+    MountingError,
+    NotLevelledError,
+    SampleError,
+)
+
+REPEAT = 30.0
+"""A fault that goes on is logged again after this time [s], with how often it came."""
+
+PATIENCE = 2.0
+"""How long [s] waiting for rest at the start goes without a word."""
+
+
+class Diagnostics:
+    """Faults by their class name, and the figures a node gives, once a second.
+
+    ``figures`` returns what else is worth seeing.  The level is that of the faults since the last
+    time: error for wrong input, warning for dropped samples.
+    """
+
+    def __init__(self, node: Node, figures: Callable[[], Mapping[str, object]]) -> None:
+        self._node = node
+        self._figures = figures
+        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        self._faults: Counter[str] = Counter()
+        self._recent: dict[str, DeadReckoningError] = {}
+        self._said: dict[str, tuple[float, int]] = {}
+        self._started = time.monotonic()
+        self.samples = 0
+        """Samples taken in so far."""
+
+    def fault(self, error: DeadReckoningError) -> None:
+        """Count a fault; log it when it is new, or has gone on for `REPEAT`."""
+        kind = type(error).__name__
+        self._faults[kind] += 1
+        self._recent[kind] = error
+        now = time.monotonic()
+        if isinstance(error, NotLevelledError) and now - self._started < PATIENCE:
+            return
+        last, count = self._said.get(kind, (-REPEAT, 0))
+        if now - last < REPEAT:
+            return
+        self._said[kind] = (now, self._faults[kind])
+        more = self._faults[kind] - count - 1
+        text = f'{error} ({more} more of these)' if count and more else str(error)
+        log = self._node.get_logger()
+        if isinstance(error, (SampleError, MountingError)):
+            log.warning(text)
+        else:
+            log.error(text)
+
+    def publish(self) -> None:
+        """Publish counts, figures and the level since the last time."""
+        status = DiagnosticStatus(
+            name=self._node.get_fully_qualified_name().lstrip('/'), hardware_id='dead_reckoning'
+        )
+        status.level, status.message = self._level()
+        figures = {'samples': self.samples, **self._figures(), **self._faults}
+        status.values = [KeyValue(key=key, value=str(value)) for key, value in figures.items()]
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(message)
+        self._recent.clear()
+
+    def _level(self) -> tuple[bytes, str]:
+        if not self._recent:
+            return DiagnosticStatus.OK, 'running' if self.samples else 'waiting for samples'
+        warnings = (SampleError, MountingError)
+        worst = sorted(self._recent.values(), key=lambda e: isinstance(e, warnings))[0]
+        level = DiagnosticStatus.WARN if isinstance(worst, warnings) else DiagnosticStatus.ERROR
+        return level, str(worst)

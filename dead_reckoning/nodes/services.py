@@ -1,0 +1,105 @@
+"""Services that answer when the work is done, without keeping anything else waiting."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.service import Service
+from std_srvs.srv import Trigger
+
+from dead_reckoning.core.errors import DeadReckoningError
+
+Begin = Callable[[], Future[str] | str]
+
+
+class DeferredServices:
+    """Trigger services whose reply is sent some samples after the request.
+
+    rclpy answers a request when its callback returns, and neither of its executors lets a callback
+    wait for samples without starving the subscriptions (the events executor takes no coroutine).
+    So these services are kept from the executor: `poll`, called by a timer, takes the requests,
+    starts the work, and replies to those whose work has ended.
+    """
+
+    def __init__(self, node: Node, timeout: float) -> None:
+        """``timeout`` [s]: how long work may wait for samples, by the clock on the wall."""
+        self._node = node
+        self._timeout = timeout
+        self._works: dict[str, tuple[Service, list[Begin]]] = {}
+        self._requests: list[_Request] = []
+
+    def __contains__(self, service: Service) -> bool:
+        return any(service is offered for offered, _ in self._works.values())
+
+    def add(self, name: str, begin: Begin) -> None:
+        """Offer ``~/name``; ``begin`` starts the work and returns its future, or the answer.
+
+        Several works under one name are done one after the other, in the order they were added.
+        """
+        if name not in self._works:
+            service = self._node.create_service(Trigger, f'~/{name}', _never_called)
+            self._works[name] = (service, [])
+        self._works[name][1].append(begin)
+
+    def poll(self) -> None:
+        """Take new requests, carry on with the works, reply to the requests that are done."""
+        for service, works in self._works.values():
+            with service.handle:
+                request, header = service.handle.service_take_request(service.srv_type.Request)
+            if request is not None:
+                deadline = time.monotonic() + self._timeout
+                self._requests.append(_Request(service, header, deadline, iter(works)))
+        self._requests = [request for request in self._requests if not request.proceed()]
+
+
+class _Request:
+    """One request on its way through the works of its service."""
+
+    def __init__(
+        self, service: Service, header: Any, deadline: float, works: Iterator[Begin]
+    ) -> None:
+        self._service = service
+        self._header = header
+        self._deadline = deadline
+        self._works = works
+        self._said: list[str] = []
+        self._current: Future[str] | None = None
+
+    def proceed(self) -> bool:
+        """Go as far as is possible now; return whether the reply was sent."""
+        try:
+            while self._current is None or self._current.done():
+                if self._current is not None:
+                    self._said.append(self._current.result())
+                    self._current = None
+                begin = next(self._works, None)
+                if begin is None:
+                    return self._reply(True, '; '.join(self._said))
+                answer = begin()
+                if isinstance(answer, Future):
+                    self._current = answer
+                else:
+                    self._said.append(answer)
+        except DeadReckoningError as error:
+            return self._reply(False, '; '.join([*self._said, str(error)]))
+        if time.monotonic() < self._deadline:
+            return False
+        return self._reply(
+            False,
+            'no samples to work with: is the topic published, and does its quality of service '
+            'match? common.service_timeout says how long to wait',
+        )
+
+    def _reply(self, success: bool, message: str) -> bool:
+        self._service.send_response(
+            Trigger.Response(success=success, message=message), self._header
+        )
+        return True
+
+
+def _never_called(request: Any, response: Any) -> Any:
+    raise AssertionError('the executor must not see a deferred service')

@@ -1,0 +1,232 @@
+"""Read and write the few messages of the hot path as bytes: samples and states in and out.
+
+A serialized message starts with four bytes that name the encoding, here little-endian CDR
+(``00 01 00 00``), followed by the fields, each aligned to its size counted from there: a header
+(int32, uint32, string), then runs of doubles.  So a message is one `struct` layout per length of
+its frame ids.  What is not little-endian CDR goes through rclpy's own serialization once.
+
+Encoders write byte for byte what ``rclpy.serialization.serialize_message`` writes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from struct import Struct, error
+from typing import Any
+
+from geometry_msgs.msg import AccelWithCovarianceStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import Imu
+
+from dead_reckoning.core.errors import WireError
+from dead_reckoning.core.rotation import (
+    matrix_from_quaternion,
+    rotate,
+    rotate_back,
+    rotate_covariance,
+)
+from dead_reckoning.core.samples import (
+    IDENTITY_QUATERNION,
+    NANOSECONDS,
+    UNKNOWN,
+    ZERO,
+    ImuSample,
+    LinearAcceleration,
+    Matrix,
+    NavigationState,
+)
+
+LITTLE_ENDIAN = b'\x00\x01\x00\x00'
+NOT_MEASURED: Matrix = (-1.0, *UNKNOWN[1:])
+UNMEASURED_VARIANCE = 1e6
+"""Variance of a twist's angular part that nothing measures: huge, as zero would mean certain."""
+
+_STAMP = Struct('<iII')  # sec, nanosec, length of the frame id with its zero byte
+_STAMP_AT = 4
+_TEXT_AT = 16
+_IMU = Struct('<37d')
+_ACCELERATION = Struct('<42d')
+_ODOMETRY = Struct('<85d')
+_NO_ANGLES = (0.0,) * 3
+
+
+@lru_cache(maxsize=256)
+def _layout(doubles: int, *texts: str) -> tuple[Struct, bytes]:
+    """Return the layout of a stamped message with its texts, and the texts as they stand in it."""
+    body = bytearray(8)  # the stamp
+    for text in texts:
+        body += b'\0' * (-len(body) % 4)
+        coded = text.encode() + b'\0'
+        body += len(coded).to_bytes(4, 'little') + coded
+    body += b'\0' * (-len(body) % 8)
+    middle = bytes(body[8:])
+    return Struct(f'<4siI{len(middle)}s{doubles}d'), middle
+
+
+def _little_endian(data: bytes, message_type: Any) -> bytes:
+    if data[:2] == LITTLE_ENDIAN[:2]:
+        return data
+    from rclpy.serialization import deserialize_message, serialize_message
+
+    try:
+        again = bytes(serialize_message(deserialize_message(data, message_type)))
+    except Exception as problem:  # rclpy raises its own and built-in kinds alike
+        raise WireError(
+            f'{len(data)} bytes are no {message_type.__name__}: {problem}'
+        ) from problem
+    if again[:2] != LITTLE_ENDIAN[:2]:
+        raise WireError(f'a {message_type.__name__} could not be brought to little-endian CDR')
+    return again
+
+
+def _read(
+    data: bytes, message_type: Any, layout: Struct, texts: int
+) -> tuple[int, str, tuple[float, ...]]:
+    """Return stamp [ns], first text and all doubles of a message."""
+    data = _little_endian(data, message_type)
+    try:
+        seconds, nanoseconds, length = _STAMP.unpack_from(data, _STAMP_AT)
+        frame_id = data[_TEXT_AT : _TEXT_AT + length - 1].decode()
+        at = 12 + length
+        for _ in range(texts - 1):
+            at += -at % 4
+            at += 4 + int.from_bytes(data[4 + at : 8 + at], 'little')
+        doubles = layout.unpack_from(data, 4 + at + -at % 8)
+    except (error, UnicodeDecodeError) as problem:
+        raise WireError(
+            f'{len(data)} bytes are no {message_type.__name__}: {problem}'
+        ) from problem
+    return seconds * NANOSECONDS + nanoseconds, frame_id, doubles
+
+
+def decode_imu(data: bytes) -> ImuSample:
+    """Read a sensor_msgs/Imu; raises `WireError`.
+
+    Orientation and angular velocity are None where their covariance starts with −1 (REP-145), the
+    orientation also where all four numbers are zero.
+    """
+    stamp_ns, frame_id, d = _read(data, Imu, _IMU, 1)
+    orientation = d[0:4]
+    oriented = d[4] >= 0.0 and orientation != (0.0, 0.0, 0.0, 0.0)
+    turning = d[16] >= 0.0
+    return ImuSample(
+        stamp_ns,
+        frame_id,
+        d[25:28],  # type: ignore[arg-type]
+        d[28:37],  # type: ignore[arg-type]
+        d[13:16] if turning else None,  # type: ignore[arg-type]
+        d[16:25] if turning else UNKNOWN,  # type: ignore[arg-type]
+        orientation if oriented else None,  # type: ignore[arg-type]
+        d[4:13] if oriented else UNKNOWN,  # type: ignore[arg-type]
+    )
+
+
+def encode_imu(imu: ImuSample) -> bytes:
+    """Write a sensor_msgs/Imu; what is None gets covariance[0] = −1."""
+    layout, middle = _layout(37, imu.frame_id)
+    oriented = imu.orientation is not None
+    turning = imu.angular_velocity is not None
+    return layout.pack(
+        LITTLE_ENDIAN,
+        *divmod(imu.stamp_ns, NANOSECONDS),
+        middle,
+        *(imu.orientation if oriented else IDENTITY_QUATERNION),
+        *(imu.orientation_covariance if oriented else NOT_MEASURED),
+        *(imu.angular_velocity if turning else ZERO),
+        *(imu.angular_velocity_covariance if turning else NOT_MEASURED),
+        *imu.specific_force,
+        *imu.specific_force_covariance,
+    )
+
+
+def decode_acceleration(data: bytes) -> LinearAcceleration:
+    """Read a geometry_msgs/AccelWithCovarianceStamped, its linear part; raises `WireError`."""
+    stamp_ns, frame_id, d = _read(data, AccelWithCovarianceStamped, _ACCELERATION, 1)
+    return LinearAcceleration(stamp_ns, frame_id, d[0:3], d[6:9] + d[12:15] + d[18:21])  # type: ignore[arg-type]
+
+
+def encode_acceleration(sample: LinearAcceleration) -> bytes:
+    """Write a geometry_msgs/AccelWithCovarianceStamped; its angular part is not measured."""
+    layout, middle = _layout(42, sample.frame_id)
+    return layout.pack(
+        LITTLE_ENDIAN,
+        *divmod(sample.stamp_ns, NANOSECONDS),
+        middle,
+        *sample.acceleration,
+        *_NO_ANGLES,
+        *_blocks(sample.covariance, NOT_MEASURED),
+    )
+
+
+def decode_odometry(data: bytes) -> NavigationState:
+    """Read a nav_msgs/Odometry, its twist turned into the world; raises `WireError`."""
+    stamp_ns, _, d = _read(data, Odometry, _ODOMETRY, 2)
+    attitude = d[3:7]
+    rot_wb = matrix_from_quaternion(attitude)  # type: ignore[arg-type]
+    pose, twist = d[7:43], d[49:85]
+    measured = twist[21] < UNMEASURED_VARIANCE
+    return NavigationState(
+        stamp_ns,
+        d[0:3],  # type: ignore[arg-type]
+        rotate(rot_wb, d[43:46]),  # type: ignore[arg-type]
+        attitude,  # type: ignore[arg-type]
+        _first(pose),
+        rotate_covariance(rot_wb, _first(twist)),
+        _second(pose),
+        d[46:49] if measured else None,  # type: ignore[arg-type]
+        _second(twist) if measured else UNKNOWN,
+    )
+
+
+def odometry_encoder(frame_id: str, child_frame_id: str) -> Callable[[NavigationState], bytes]:
+    """Return a function that writes states as nav_msgs/Odometry between these two frames.
+
+    The twist, its covariance too, is in the child frame.
+    """
+    layout, middle = _layout(85, frame_id, child_frame_id)
+    huge = UNMEASURED_VARIANCE
+    unmeasured: Matrix = (huge, 0.0, 0.0, 0.0, huge, 0.0, 0.0, 0.0, huge)
+
+    def encode(state: NavigationState) -> bytes:
+        rot_wb = matrix_from_quaternion(state.attitude)
+        a, b, c, d, e, f, g, h, i = rot_wb
+        turning = state.angular_velocity is not None
+        return layout.pack(
+            LITTLE_ENDIAN,
+            *divmod(state.stamp_ns, NANOSECONDS),
+            middle,
+            *state.position,
+            *state.attitude,
+            *_blocks(state.position_covariance, state.attitude_covariance),
+            *rotate_back(rot_wb, state.velocity),
+            *(state.angular_velocity if turning else ZERO),
+            *_blocks(
+                rotate_covariance((a, d, g, b, e, h, c, f, i), state.velocity_covariance),
+                state.angular_velocity_covariance if turning else unmeasured,
+            ),
+        )
+
+    return encode
+
+
+def encode_bool(value: bool) -> bytes:
+    """Write a std_msgs/Bool."""
+    return LITTLE_ENDIAN + (b'\x01' if value else b'\x00')
+
+
+def _blocks(first: Matrix, second: Matrix) -> tuple[float, ...]:
+    """Put two covariances, shape (3, 3), on the diagonal of one, shape (6, 6)."""
+    z = _NO_ANGLES
+    return (
+        *first[0:3], *z, *first[3:6], *z, *first[6:9], *z,
+        *z, *second[0:3], *z, *second[3:6], *z, *second[6:9],
+    )  # fmt: skip
+
+
+def _first(covariance: tuple[float, ...]) -> Matrix:
+    return covariance[0:3] + covariance[6:9] + covariance[12:15]  # type: ignore[return-value]
+
+
+def _second(covariance: tuple[float, ...]) -> Matrix:
+    return covariance[21:24] + covariance[27:30] + covariance[33:36]  # type: ignore[return-value]
