@@ -71,13 +71,15 @@ def _little_endian(data: bytes, message_type: Any) -> bytes:
 
     try:
         again = bytes(serialize_message(deserialize_message(data, message_type)))
-    except Exception as problem:  # rclpy raises its own and built-in kinds alike
-        raise WireError(
-            f'{len(data)} bytes are no {message_type.__name__}: {problem}'
-        ) from problem
+    except RuntimeError as problem:
+        raise _no_message(data, message_type, problem) from problem
     if again[:2] != LITTLE_ENDIAN[:2]:
         raise WireError(f'a {message_type.__name__} could not be brought to little-endian CDR')
     return again
+
+
+def _no_message(data: bytes, message_type: Any, problem: Exception) -> WireError:
+    return WireError(f'{len(data)} bytes are no {message_type.__name__}: {problem}')
 
 
 def _read(
@@ -94,9 +96,7 @@ def _read(
             at += 4 + int.from_bytes(data[4 + at : 8 + at], 'little')
         doubles = layout.unpack_from(data, 4 + at + -at % 8)
     except (error, UnicodeDecodeError) as problem:
-        raise WireError(
-            f'{len(data)} bytes are no {message_type.__name__}: {problem}'
-        ) from problem
+        raise _no_message(data, message_type, problem) from problem
     return seconds * NANOSECONDS + nanoseconds, frame_id, doubles
 
 
