@@ -76,16 +76,26 @@ class FrontEnd:
         return self._work.begin()
 
     def add(self, conversions: Conversions) -> list[ImuSample]:
-        """Take conversions, return the samples they complete; a rest waits for the next call."""
-        if self._calibration is not None and self._calibration.add(conversions.counts):
-            self._finish_calibration(self._calibration)
-            if self._silent:
-                self._silent = False
-                return []
-        if self._silent:
-            return []
-        stamps_ns = np.concatenate((self._stamps_ns, conversions.stamps_ns))
-        counts = np.concatenate((self._counts, conversions.counts))
+        """Take conversions, return the samples they complete; those left over wait.
+
+        However the conversions are cut into calls, the samples are the same.
+        """
+        stamps_ns, counts = conversions.stamps_ns, conversions.counts
+        calibration = self._calibration
+        if calibration is None:
+            return self._average(stamps_ns, counts)
+        needed = calibration.missing
+        calibration.add(counts[:needed])
+        samples = [] if self._silent else self._average(stamps_ns[:needed], counts[:needed])
+        if calibration.missing:
+            return samples
+        self._finish_calibration(calibration)
+        self._silent = False
+        return samples + self._average(stamps_ns[needed:], counts[needed:])
+
+    def _average(self, stamps_ns: NDArray[np.int64], counts: Array) -> list[ImuSample]:
+        stamps_ns = np.concatenate((self._stamps_ns, stamps_ns))
+        counts = np.concatenate((self._counts, counts))
         n = self._per_message
         whole = len(counts) // n * n
         self._stamps_ns, self._counts = stamps_ns[whole:], counts[whole:]

@@ -32,11 +32,15 @@ class ZeroGCalibration:
         self._counts: list[Array] = []
         self._taken = 0
 
-    def add(self, counts: Array) -> bool:
-        """Take conversions, shape (n, 3); return whether there are enough to `finish`."""
+    @property
+    def missing(self) -> int:
+        """How many more conversions it takes to `finish`."""
+        return self._wanted - self._taken
+
+    def add(self, counts: Array) -> None:
+        """Take conversions, shape (n, 3), at most as many as are `missing`."""
         self._counts.append(counts)
         self._taken += len(counts)
-        return self._taken >= self._wanted
 
     def finish(self) -> Array:
         """Return the outputs at zero g, shape (3,) [V].
@@ -46,7 +50,7 @@ class ZeroGCalibration:
         and one count explain.  Raises `CalibrationError` if an offset is beyond the tolerance.
         """
         model = self._model
-        counts = np.concatenate(self._counts)[: self._wanted]
+        counts = np.concatenate(self._counts)
         self._check_rest(counts)
         level = np.array([0.0, 0.0, 1.0]) * np.array(model.sensitivity)
         zero_g: Array = counts.mean(axis=0) * model.volts_per_count - level
