@@ -76,7 +76,9 @@ class AnalogAccelerometer:
 
     def clipped(self, counts: Array) -> NDArray[np.bool_]:
         """Say which counts, shape (n, 3), stand at an end of the swing or of the ADC."""
-        low, high = self.counts(np.array(self.swing))
+        swing = np.array(self.swing)
+        rounded, exact = self.counts(swing), self.counts(swing, quantise=False)
+        low, high = max(rounded[0], exact[0]), min(rounded[1], exact[1])
         ends: NDArray[np.bool_] = (counts <= low) | (counts >= high)
         return ends
 
