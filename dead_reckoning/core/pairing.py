@@ -30,7 +30,8 @@ class StampPairs(Generic[Left, Right]):
         if right is None:
             self._wait(self._left, stamp_ns, sample)
             return None
-        self._let_go(stamp_ns)
+        self._let_go(self._left)
+        self._let_go(self._right, stamp_ns)
         return sample, right
 
     def right(self, stamp_ns: int, sample: Right) -> tuple[Left, Right] | None:
@@ -39,7 +40,8 @@ class StampPairs(Generic[Left, Right]):
         if left is None:
             self._wait(self._right, stamp_ns, sample)
             return None
-        self._let_go(stamp_ns)
+        self._let_go(self._right)
+        self._let_go(self._left, stamp_ns)
         return left, sample
 
     def collect_lost(self, left_name: str, right_name: str) -> UnpairedError | None:
@@ -63,12 +65,11 @@ class StampPairs(Generic[Left, Right]):
             del side[oldest]
             self._lost.append(oldest)
 
-    def _let_go(self, stamp_ns: int) -> None:
-        for side in (self._left, self._right):
-            if stamp_ns not in side:
-                continue
-            for waiting_ns in list(side):
-                del side[waiting_ns]
-                if waiting_ns == stamp_ns:
-                    break
-                self._lost.append(waiting_ns)
+    def _let_go(
+        self, side: dict[int, Left] | dict[int, Right], paired_ns: int | None = None
+    ) -> None:
+        for waiting_ns in list(side):
+            del side[waiting_ns]
+            if waiting_ns == paired_ns:
+                break
+            self._lost.append(waiting_ns)
