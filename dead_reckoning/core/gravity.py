@@ -6,6 +6,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from math import degrees, isfinite
 
+from dead_reckoning.core.checks import require_finite_covariances
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import (
     DeadReckoningError,
@@ -15,6 +16,7 @@ from dead_reckoning.core.errors import (
     NotAtRestError,
     NotFiniteError,
     NotLevelledError,
+    SupersededError,
 )
 from dead_reckoning.core.parameters import Settings, parameter
 from dead_reckoning.core.rest import GRAVITY, Rest, RestWindow, check_gravity, check_up_axis
@@ -110,6 +112,7 @@ class GravityRemoval:
         """Forget attitude and gravity and look for rest anew, as at the first sample."""
         self._timeline.reset()
         self._start_over()
+        self._levelling.fail(SupersededError('a reset came meanwhile: ask again'))
 
     def _start_over(self) -> None:
         self.gravity = self.settings.magnitude
@@ -141,6 +144,7 @@ class GravityRemoval:
         force_s = imu.specific_force
         if not isfinite(force_s[0] + force_s[1] + force_s[2]):
             raise NotFiniteError(f'the specific force is {force_s}: check the driver')
+        require_finite_covariances(imu)
         if imu.specific_force_covariance[0] < 0.0:
             raise MissingAccelerationError(
                 'linear_acceleration_covariance[0] is -1, so this Imu measures no acceleration: '
@@ -199,12 +203,6 @@ class GravityRemoval:
                 'the Imu carries no orientation, and gravity.attitude is message: take a topic '
                 'that has one, or set gravity.attitude to rest'
             )
-        x, y, z, w = quaternion
-        square = x * x + y * y + z * z + w * w
-        if abs(square - 1.0) < 1e-9:
-            return quaternion
-        if not isfinite(square) or square < 1e-6:
-            raise NotFiniteError(f'the orientation is {quaternion}, no rotation: check the driver')
         return normalized(quaternion)
 
     def _begin_rest(self, wanted: bool) -> None:

@@ -7,16 +7,25 @@ from dataclasses import dataclass
 from math import isfinite, sqrt
 
 from dead_reckoning.core.bias_growth import BiasGrowth
+from dead_reckoning.core.checks import require_finite_covariances
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import (
+    DeadReckoningError,
     MissingAttitudeError,
     NotAtRestError,
     NotFiniteError,
     SettingsError,
+    SupersededError,
 )
 from dead_reckoning.core.parameters import Settings, parameter
 from dead_reckoning.core.rest import GRAVITY, RestWindow
-from dead_reckoning.core.rotation import isotropic, matrix_from_quaternion, rotate, rotate_back
+from dead_reckoning.core.rotation import (
+    isotropic,
+    matrix_from_quaternion,
+    normalized,
+    rotate,
+    rotate_back,
+)
 from dead_reckoning.core.samples import (
     NANOSECONDS,
     UNKNOWN,
@@ -146,6 +155,7 @@ class Integrator:
         """Return to the origin at rest; the calibrated offset and the settings stay."""
         self._timeline.reset()
         self._start_over()
+        self._give_up_calibration(SupersededError('a reset came meanwhile: ask again'))
 
     def _start_over(self) -> None:
         self._position: Vector = ZERO
@@ -186,11 +196,14 @@ class Integrator:
                 'the Imu with the stamp of this acceleration carries no orientation: take '
                 'imu/data from gravity_removal, or from a driver that knows its attitude'
             )
+        require_finite_covariances(imu)
+        orientation = normalized(imu.orientation)
         restarts = self._timeline.restarts
         step_ns = self._timeline.advance(imu.stamp_ns)
         if self._timeline.restarts != restarts:
             self._start_over()
-        rot_ws = matrix_from_quaternion(imu.orientation)
+            self._give_up_calibration(NotAtRestError('the stamps went back meanwhile: ask again'))
+        rot_ws = matrix_from_quaternion(orientation)
         accel_s = rotate_back(rot_ws, accel_w)
         if self._window is not None:
             self._calibrate_with(self._window, imu.stamp_ns, accel_s)
@@ -204,12 +217,14 @@ class Integrator:
                 self._pass_gap(dt)
             else:
                 noise = imu.specific_force_covariance
+                if noise == UNKNOWN or noise[0] < 0.0:  # unknown, or another device measured it
+                    noise = self._noise_fallback
                 self._growth.step(
                     dt,
                     rot_ws,
                     (accel_w[0], accel_w[1], accel_w[2] + GRAVITY),
                     attitude_covariance,
-                    self._noise_fallback if noise == UNKNOWN else noise,
+                    noise,
                 )
                 self._integrate(dt, kept_w)
         self._acceleration = kept_w
@@ -221,7 +236,7 @@ class Integrator:
             imu.stamp_ns,
             self._position,
             self._velocity,
-            imu.orientation,
+            orientation,
             position_covariance,
             velocity_covariance,
             attitude_covariance,
@@ -289,12 +304,15 @@ class Integrator:
             self._velocity = rotate(rot_ws, (velocity_s[0], velocity_s[1], velocity_s[2]))
         return False
 
+    def _give_up_calibration(self, error: DeadReckoningError) -> None:
+        self._window = None
+        self._calibration.fail(error)
+
     def _calibrate_with(self, window: RestWindow, stamp_ns: int, accel_s: Vector) -> None:
         try:
             rest = window.add(stamp_ns, accel_s)
         except NotAtRestError as error:
-            self._window = None
-            self._calibration.fail(error)
+            self._give_up_calibration(error)
             return
         if rest is not None:
             self._window = None

@@ -6,8 +6,9 @@ in docs/conventions.md, "Rotations".
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, sin, sqrt
+from math import atan2, cos, hypot, isfinite, sin, sqrt
 
+from dead_reckoning.core.errors import NotFiniteError
 from dead_reckoning.core.samples import Matrix, Quaternion, Vector
 
 
@@ -54,9 +55,17 @@ def yaw_from_quaternion(quaternion: Quaternion) -> float:
 
 
 def normalized(quaternion: Quaternion) -> Quaternion:
-    """Bring a quaternion to unit length; raises ZeroDivisionError for (0, 0, 0, 0)."""
+    """Return a quaternion (x, y, z, w) at unit length: itself, if it is that long already.
+
+    Raises `NotFiniteError` for one that is no rotation: not finite, or all but zero.
+    """
     x, y, z, w = quaternion
-    scale = 1.0 / sqrt(x * x + y * y + z * z + w * w)
+    square = x * x + y * y + z * z + w * w
+    if abs(square - 1.0) < 1e-9:
+        return quaternion
+    if not isfinite(square) or square < 1e-6:
+        raise NotFiniteError(f'the orientation is {quaternion}, no rotation: check the driver')
+    scale = 1.0 / sqrt(square)
     return (x * scale, y * scale, z * scale, w * scale)
 
 
