@@ -6,9 +6,10 @@ part.  The nodes get the same values from rcl; tools read the file here.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import yaml
 
@@ -44,6 +45,18 @@ PARTS: tuple[type[Settings], ...] = (
 """All parts, in the order of the reference page."""
 
 
+class _Loader(yaml.SafeLoader):
+    """Read scalars as rcl does: 1e-3 is a number, and y and n are booleans."""
+
+    bool_values: ClassVar = {**yaml.SafeLoader.bool_values, 'y': True, 'n': False}
+
+
+_Loader.add_implicit_resolver(
+    'tag:yaml.org,2002:float', re.compile(r'[-+]?\d+[eE][-+]?\d+$'), list('-+0123456789')
+)
+_Loader.add_implicit_resolver('tag:yaml.org,2002:bool', re.compile('[yYnN]$'), list('yYnN'))
+
+
 class Configuration:
     """Valid settings of every part, from one mapping of full keys to values.
 
@@ -71,10 +84,10 @@ def read_values(path: Path) -> dict[str, Any]:
     Raises `SettingsError` if there is no such file or it is no parameter file.
     """
     try:
-        document = yaml.safe_load(path.read_text(encoding='utf-8'))
+        document = yaml.load(path.read_text(encoding='utf-8'), _Loader)
     except OSError as error:
         raise SettingsError(f'{path}: {error.strerror}; name a parameter file') from error
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise SettingsError(f'{path}: {error}') from error
     try:
         section = document['/**']['ros__parameters']

@@ -82,7 +82,10 @@ class Parameter:
         scalar_type = (get_args(self.type) or (self.type,))[0]
         a_bool = isinstance(value, bool)
         if scalar_type is float and isinstance(value, (int, float)) and not a_bool:
-            value = float(value)
+            try:
+                value = float(value)
+            except OverflowError:  # an integer that no double holds
+                raise self._refused(whole) from None
         if type(value) is not scalar_type:
             raise self._refused(whole)
         if scalar_type in (int, float) and not self.minimum <= value <= self.maximum:
