@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import floor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,12 +65,9 @@ class SimulatedAccelerometer:
         self._quaternion = quaternion_from_euler(*settings.attitude)
         self._rot_wt: Array = np.reshape(matrix_from_quaternion(self._quaternion), (3, 3))
 
-    def _seconds(self, conversions: Array) -> Array:
-        return conversions / self._rate
-
     def available(self, now_ns: int) -> int:
         """Return how many conversions have happened by ``now_ns`` and were not read yet."""
-        happened = int((now_ns - self._start_ns) * self._rate / NANOSECONDS) + 1
+        happened = floor((now_ns - self._start_ns) * self._rate / NANOSECONDS) + 1
         return max(0, happened - self._taken)
 
     def read(self, count: int) -> Conversions:
