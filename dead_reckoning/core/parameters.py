@@ -120,11 +120,11 @@ class Parameter:
             else words[scalar_type]
         )
         if self.minimum > -math.inf and self.maximum < math.inf:
-            said += f' from {self.minimum:g} to {self.maximum:g}'
+            said += f' from {_said(self.minimum)} to {_said(self.maximum)}'
         elif self.minimum > -math.inf:
-            said += f' of at least {self.minimum:g}'
+            said += f' of at least {_said(self.minimum)}'
         elif self.maximum < math.inf:
-            said += f' of at most {self.maximum:g}'
+            said += f' of at most {_said(self.maximum)}'
         if self.unit:
             said += f' [{self.unit}]'
         if is_list:
@@ -133,6 +133,10 @@ class Parameter:
                 count += ', none twice'
             said = f'a list of {count}, each {said}'
         return said
+
+
+def _said(bound: float) -> str:
+    return f'{bound:.0f}' if bound == int(bound) else f'{bound:g}'
 
 
 def _holds_bool(value: Any) -> bool:

@@ -1,0 +1,1 @@
+"""`dead-reckoning demo`: simulate, run the nodes over DDS, compare with the truth, show it."""

@@ -1,0 +1,135 @@
+"""The command `demo`: run the cases, print the tables, write pictures and the page."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import select
+import sys
+import time
+from pathlib import Path
+
+from dead_reckoning.core.errors import RecordingError
+from dead_reckoning.core.samples import NANOSECONDS
+from dead_reckoning.core.stages import GROUND_TRUTH
+from dead_reckoning.tools.demo.cases import CASES, Case, Row, compare
+from dead_reckoning.tools.demo.recording import Recording, parse
+from dead_reckoning.tools.processes import Interruption, Nodes, interruptible
+
+START_DEADLINE = 30.0
+"""How long [s] the nodes may take to find each other."""
+
+SILENCE = 10.0
+"""How long [s] nothing may come once samples flow."""
+
+CHAIN = ('integrator', 'gravity_removal', 'accelerometer_driver')
+"""Nodes in the order they are started: who listens first."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what the command takes."""
+    parser.add_argument(
+        '--output', type=Path, default=Path('out/demo'), help='folder for pictures and page'
+    )
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Run the demo; return the exit status."""
+    from dead_reckoning.tools.demo.page import Result, write
+    from dead_reckoning.tools.demo.plots import draw
+
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    results = []
+    for case in CASES:
+        recording = run(case)
+        rows = compare(case, recording)
+        print(f'\n{case.title}\n{table(rows)}\n', flush=True)
+        results.append(Result(case, recording, rows, draw(case, recording, arguments.output)))
+    page = arguments.output / 'index.html'
+    write(page, results)
+    for result in results:
+        for picture in result.pictures:
+            print(f'picture  {picture}')
+    print(f'page     {page}')
+    return 0
+
+
+def environment() -> dict[str, str]:
+    """Return what keeps the demo to this machine, and to a domain of its own if none is chosen."""
+    domain = os.environ.get('ROS_DOMAIN_ID') or str(1 + os.getpid() % 100)
+    return {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', 'ROS_DOMAIN_ID': domain}
+
+
+def run(case: Case) -> Recording:
+    """Run one case over DDS and return what was recorded.
+
+    Raises `NodeEndedError`, `InterruptedRunError`, or `RecordingError` if samples are missing.
+    """
+    surroundings = environment()
+    domain = surroundings['ROS_DOMAIN_ID']
+    print(f'{case.title}: starting {len(CHAIN)} nodes on ROS_DOMAIN_ID {domain}', flush=True)
+    with interruptible() as interruption, Nodes(surroundings) as nodes:
+        output = nodes.start('recorder', {}, read=True)
+        for module in CHAIN:
+            nodes.start(module, case.parameters)
+        recording = parse(_collect(case, nodes, output.fileno(), interruption))
+    if recording.estimate.time[0] > 0.5 * _motion_start(case):
+        raise RecordingError(
+            f'the estimate begins {recording.estimate.time[0]:.1f} s after the start, too close '
+            'to the motion: the machine is too busy, run the demo again'
+        )
+    return recording
+
+
+def _motion_start(case: Case) -> float:
+    return float(case.parameters[f'driver.{case.parameters["driver.motion"]}.start'])
+
+
+def _collect(case: Case, nodes: Nodes, descriptor: int, interruption: Interruption) -> list[str]:
+    """Read lines until the truth has reached the end of the case."""
+    lines: list[str] = []
+    rest = b''
+    first_ns: int | None = None
+    deadline = time.monotonic() + START_DEADLINE
+    reached = 0.0
+    while reached < case.duration:
+        interruption.check()
+        nodes.check()
+        if time.monotonic() > deadline:
+            raise RecordingError(
+                f'no samples for {SILENCE:g} s'
+                if first_ns
+                else 'the nodes did not find each other'
+            )
+        if not select.select([descriptor], [], [], 0.1)[0]:
+            continue
+        *whole, rest = (rest + os.read(descriptor, 1 << 16)).split(b'\n')
+        for line in (part.decode() for part in whole):
+            lines.append(line)
+            topic, stamp_ns, _ = line.split(maxsplit=2)
+            if topic == GROUND_TRUTH:
+                first_ns = int(stamp_ns) if first_ns is None else first_ns
+                reached = (int(stamp_ns) - first_ns) / NANOSECONDS
+                deadline = time.monotonic() + SILENCE
+        _show_progress(reached / case.duration)
+    _show_progress(1.0, done=True)
+    return lines
+
+
+def _show_progress(part: float, *, done: bool = False) -> None:
+    part = min(part, 1.0)
+    if sys.stdout.isatty():
+        filled = round(40 * part)
+        bar = '█' * filled + '·' * (40 - filled)
+        print(f'\r  {bar} {part:4.0%}', end='\n' if done else '', flush=True)
+    elif done:
+        print('  done', flush=True)
+
+
+def table(rows: list[Row]) -> str:
+    """Return the table of a run as text."""
+    lines = [f'  {"":24}{"truth":>10}{"estimate":>10}{"error":>10}']
+    for row in rows:
+        name = f'{row.quantity} [{row.unit}]'
+        lines.append(f'  {name:24}{row.truth:10.4f}{row.estimate:10.4f}{row.error:+10.4f}')
+    return '\n'.join(lines)

@@ -1,0 +1,116 @@
+"""Start nodes as processes of their own, and leave none of them behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from types import FrameType
+from typing import IO, Any
+
+from dead_reckoning.core.errors import DeadReckoningError
+
+PATIENCE = 5.0
+"""How long [s] a process may take to end after SIGINT, before it is killed."""
+
+
+class InterruptedRunError(DeadReckoningError):
+    """Ctrl-C, SIGTERM or SIGHUP ended a run."""
+
+
+class NodeEndedError(DeadReckoningError):
+    """A node ended by itself while it was needed."""
+
+
+@contextmanager
+def interruptible() -> Iterator[Interruption]:
+    """Take note of Ctrl-C, SIGTERM and SIGHUP instead of dying of them."""
+    interruption = Interruption()
+    signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = {number: signal.signal(number, interruption.note) for number in signals}
+    try:
+        yield interruption
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+class Interruption:
+    """Whether a signal came that asks to end."""
+
+    def __init__(self) -> None:
+        self._noted = False
+
+    def note(self, number: int, frame: FrameType | None) -> None:
+        """Handle a signal."""
+        self._noted = True
+
+    def check(self) -> None:
+        """Raise `InterruptedRunError` if a signal came."""
+        if self._noted:
+            raise InterruptedRunError('interrupted')
+
+
+class Nodes:
+    """Nodes running as processes; leaving the context ends all of them, whatever happened."""
+
+    def __init__(self, environment: Mapping[str, str]) -> None:
+        self._environment = {**os.environ, **environment}
+        self._processes: dict[str, subprocess.Popen[str]] = {}
+
+    def __enter__(self) -> Nodes:
+        return self
+
+    def start(self, module: str, parameters: Mapping[str, Any], *, read: bool = False) -> IO[str]:
+        """Start a module of `dead_reckoning.nodes`; with ``read`` its output can be read.
+
+        Values of parameters are written as ROS takes them on a command line.
+        """
+        command = [sys.executable, '-m', f'dead_reckoning.nodes.{module}', '--ros-args']
+        for key, value in parameters.items():
+            command += ['-p', f'{key}:={_argument(value)}']
+        process = subprocess.Popen(
+            command,
+            env=self._environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE if read else sys.stderr,
+            text=True,
+        )
+        self._processes[module] = process
+        return process.stdout if process.stdout is not None else sys.stderr
+
+    def check(self) -> None:
+        """Raise `NodeEndedError` if one of them has ended."""
+        for module, process in self._processes.items():
+            if process.poll() is not None:
+                raise NodeEndedError(
+                    f'{module} ended by itself with status {process.returncode}: see what it said'
+                )
+
+    def __exit__(self, *exception: object) -> None:
+        for process in self._processes.values():
+            if process.poll() is None:
+                process.send_signal(signal.SIGINT)
+        deadline = time.monotonic() + PATIENCE
+        for process in self._processes.values():
+            try:
+                process.wait(max(0.1, deadline - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+            if process.stdout is not None:
+                process.stdout.close()
+
+
+def _argument(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (list, tuple)):
+        return '[' + ', '.join(_argument(element) for element in value) + ']'
+    if isinstance(value, str):
+        return f"'{value}'"
+    return repr(value)
