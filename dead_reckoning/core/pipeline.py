@@ -17,7 +17,7 @@ class PipelineSettings(Settings, prefix='pipeline'):
     """Which source feeds the chain and which estimators it ends in."""
 
     source: str = parameter(
-        'simulated',
+        'topic',
         'topic (imu/data_raw, or imu/data where gravity.attitude is message) or one of those of '
         'the driver',
         choices=('topic', 'simulated'),

@@ -77,10 +77,11 @@ def reference() -> str:
     lines = [
         '# Parameters',
         '',
-        'Made by `make config` from the declarations in the code. A node declares the keys of its',
-        'own part and those of `common` and `frames`, knows the keys of the other parts, and stops',
-        'at any other key and at any value outside of what is allowed. An integer is accepted where',
-        'a number is meant. Parameters marked *live* can be changed while a node runs.',
+        'Made by `make config` from the declarations in the code. A node declares the keys of',
+        'its own part and those of `common` and `frames`, knows the keys of the other parts, and',
+        'stops at any other key and at any value outside of what is allowed. An integer is',
+        'accepted where a number is meant. Parameters marked *live* can be changed while a node',
+        'runs.',
         '',
     ]
     for part in PARTS:
