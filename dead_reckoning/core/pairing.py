@@ -50,8 +50,9 @@ class StampPairs(Generic[Left, Right]):
             return None
         count, first_ns = len(self._lost), self._lost[0]
         self._lost.clear()
+        samples = 'sample' if count == 1 else 'samples'
         return UnpairedError(
-            f'{count} samples from stamp {first_ns} ns on found no partner with the same stamp: '
+            f'{count} {samples} from stamp {first_ns} ns on found no partner with the same stamp: '
             f'{left_name} and {right_name} must come from one source; if messages get lost, raise '
             'the depth of the queues or make them reliable (qos_overrides)'
         )
