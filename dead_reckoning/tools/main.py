@@ -5,28 +5,40 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-
-from dead_reckoning.core.errors import DeadReckoningError
-from dead_reckoning.tools.demo import command as demo
-from dead_reckoning.tools.processes import InterruptedRunError
+from importlib import import_module
 
 COMMANDS = {
-    'demo': (demo, 'simulate a motion, run the nodes, compare with the truth'),
+    'demo': (
+        'dead_reckoning.tools.demo.command',
+        'simulate a motion, run the nodes, compare with the truth',
+    ),
 }
+"""Commands by name: the module, which offers `add_arguments` and `main`, and what it is for."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; return the exit status: 0 done, 1 failed, 2 wrong usage, 130 interrupted."""
-    parser = argparse.ArgumentParser(prog='dead-reckoning', description=__doc__)
-    commands = parser.add_subparsers(dest='command', required=True, metavar='COMMAND')
-    for name, (module, words) in COMMANDS.items():
-        module.add_arguments(commands.add_parser(name, help=words, description=words))
-    given = parser.parse_args(arguments)
     try:
-        return COMMANDS[given.command][0].main(given)
-    except (KeyboardInterrupt, InterruptedRunError):
+        return _run(arguments)
+    except KeyboardInterrupt:
         print('\ninterrupted', file=sys.stderr)
         return 130
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    # Imported here, so that Ctrl-C during the imports is caught above.
+    from dead_reckoning.core.errors import DeadReckoningError
+
+    parser = argparse.ArgumentParser(
+        prog='dead-reckoning', description='Where did the sensor go? Tools that need no ROS.'
+    )
+    commands = parser.add_subparsers(dest='command', required=True, metavar='COMMAND')
+    for name, (module, words) in COMMANDS.items():
+        command = commands.add_parser(name, help=words, description=words)
+        import_module(module).add_arguments(command)
+    given = parser.parse_args(arguments)
+    try:
+        return int(import_module(COMMANDS[given.command][0]).main(given))
     except DeadReckoningError as error:
         print(f'\ndead-reckoning {given.command}: {error}', file=sys.stderr)
         return 1

@@ -18,10 +18,6 @@ PATIENCE = 5.0
 """How long [s] a process may take to end after SIGINT, before it is killed."""
 
 
-class InterruptedRunError(DeadReckoningError):
-    """Ctrl-C, SIGTERM or SIGHUP ended a run."""
-
-
 class NodeEndedError(DeadReckoningError):
     """A node ended by itself while it was needed."""
 
@@ -50,9 +46,9 @@ class Interruption:
         self._noted = True
 
     def check(self) -> None:
-        """Raise `InterruptedRunError` if a signal came."""
+        """Raise `KeyboardInterrupt` if a signal came."""
         if self._noted:
-            raise InterruptedRunError('interrupted')
+            raise KeyboardInterrupt
 
 
 class Nodes:

@@ -63,7 +63,7 @@ def environment() -> dict[str, str]:
 def run(case: Case) -> Recording:
     """Run one case over DDS and return what was recorded.
 
-    Raises `NodeEndedError`, `InterruptedRunError`, or `RecordingError` if samples are missing.
+    Raises `NodeEndedError`, `RecordingError` if samples are missing, or `KeyboardInterrupt`.
     """
     surroundings = environment()
     domain = surroundings['ROS_DOMAIN_ID']
@@ -92,6 +92,7 @@ def _collect(case: Case, nodes: Nodes, descriptor: int, interruption: Interrupti
     first_ns: int | None = None
     deadline = time.monotonic() + START_DEADLINE
     reached = 0.0
+    progress = Progress()
     while reached < case.duration:
         interruption.check()
         nodes.check()
@@ -111,19 +112,30 @@ def _collect(case: Case, nodes: Nodes, descriptor: int, interruption: Interrupti
                 first_ns = int(stamp_ns) if first_ns is None else first_ns
                 reached = (int(stamp_ns) - first_ns) / NANOSECONDS
                 deadline = time.monotonic() + SILENCE
-        _show_progress(reached / case.duration)
-    _show_progress(1.0, done=True)
+        progress.show(reached / case.duration)
     return lines
 
 
-def _show_progress(part: float, *, done: bool = False) -> None:
-    part = min(part, 1.0)
-    if sys.stdout.isatty():
-        filled = round(40 * part)
-        bar = '█' * filled + '·' * (40 - filled)
-        print(f'\r  {bar} {part:4.0%}', end='\n' if done else '', flush=True)
-    elif done:
-        print('  done', flush=True)
+class Progress:
+    """A bar on a terminal, redrawn when it has something new to show; elsewhere one word."""
+
+    WIDTH = 40
+
+    def __init__(self) -> None:
+        self._shown = -1
+
+    def show(self, part: float) -> None:
+        """Show that ``part``, 0 to 1, is done."""
+        percent = int(100 * min(part, 1.0))
+        if percent == self._shown:
+            return
+        self._shown = percent
+        if sys.stdout.isatty():
+            filled = self.WIDTH * percent // 100
+            bar = '█' * filled + '·' * (self.WIDTH - filled)
+            print(f'\r  {bar} {percent:3}%', end='\n' if percent == 100 else '', flush=True)
+        elif percent == 100:
+            print('  recorded', flush=True)
 
 
 def table(rows: list[Row]) -> str:
