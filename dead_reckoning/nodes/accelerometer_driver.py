@@ -7,7 +7,8 @@ import sys
 from dead_reckoning.configuration import DRIVER
 from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.stages import GROUND_TRUTH, RAW
-from dead_reckoning.nodes.chain_node import ChainNode, run
+from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.run import run
 from dead_reckoning.nodes.simulated_driver import SimulatedDriver
 
 

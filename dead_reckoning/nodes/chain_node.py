@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
-import signal
-import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from concurrent.futures import Future
 from functools import partial
 from typing import Any
 
-import rclpy
 from rclpy.clock import Clock, ClockType
-from rclpy.exceptions import InvalidHandle
-from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
@@ -22,7 +16,7 @@ from rclpy.service import Service
 from dead_reckoning.configuration import COMMON
 from dead_reckoning.core.chain import FAULT, Chain, Output
 from dead_reckoning.core.common import CommonSettings, FrameSettings
-from dead_reckoning.core.errors import DeadReckoningError, WireError
+from dead_reckoning.core.errors import WireError
 from dead_reckoning.core.parameters import Settings
 from dead_reckoning.core.stages import ODOMETRY
 from dead_reckoning.nodes import parameters
@@ -33,7 +27,6 @@ from dead_reckoning.nodes.transforms import transform_sender
 
 SERVICE_PERIOD = 0.05
 DIAGNOSTICS_PERIOD = 1.0
-SPIN_TIMEOUT = 0.5
 
 
 class ChainNode(Node):
@@ -157,58 +150,3 @@ def _both(first: Callable[[Any], None], second: Callable[[Any], None]) -> Callab
         second(value)
 
     return write
-
-
-def run(make_node: Callable[[], ChainNode]) -> int:
-    """Run a node until it is told to stop; return the exit status.
-
-    Ctrl-C and SIGTERM end it with status 0, wrong parameters with one line and status 2.
-    """
-    try:
-        rclpy.init()
-    except RuntimeError as error:  # rcl's complaint about arguments and parameter files
-        print(f'dead_reckoning: {_one_line(error)}', file=sys.stderr)
-        return 2
-    node: ChainNode | None = None
-    try:
-        node = make_node()
-        _spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        return 0
-    except DeadReckoningError as error:
-        rclpy.logging.get_logger('dead_reckoning').fatal(str(error))
-        return 2
-    except RuntimeError:
-        if rclpy.ok():  # after a shutdown rclpy trips over its own context now and then
-            raise
-    finally:
-        # A second Ctrl-C (ros2 launch sends one too) must not interrupt the tidying.
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        if node is not None:
-            with contextlib.suppress(InvalidHandle):
-                node.destroy_node()
-        rclpy.try_shutdown()
-    return 0
-
-
-def _spin(node: ChainNode) -> None:
-    executor = _executor(node.common.executor)
-    executor.add_node(node)
-    while rclpy.ok():
-        # The events executor's own spin() does not hear a shutdown.
-        executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-
-
-def _executor(kind: str) -> Executor:
-    if kind == 'single':
-        return SingleThreadedExecutor()
-    from rclpy.experimental import EventsExecutor
-
-    return EventsExecutor()
-
-
-def _one_line(error: Exception) -> str:
-    text = ' '.join(str(error).split())
-    if 'bool' in text:
-        text += " (an unquoted y, n, yes, no, on or off is a boolean in YAML: quote it, as 'y')"
-    return text

@@ -7,7 +7,8 @@ import sys
 from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.gravity import GravityRemoval, GravitySettings
 from dead_reckoning.core.stages import ACCELERATION, IMU, RAW, gravity_input, gravity_stage
-from dead_reckoning.nodes.chain_node import ChainNode, run
+from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.run import run
 
 
 class GravityRemovalNode(ChainNode):

@@ -9,7 +9,8 @@ from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.integrator import Integrator, IntegratorSettings
 from dead_reckoning.core.stages import ACCELERATION, IMU, ODOMETRY, STATIONARY, integrator_stage
 from dead_reckoning.nodes import parameters
-from dead_reckoning.nodes.chain_node import ChainNode, run
+from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.run import run
 
 
 class IntegratorNode(ChainNode):

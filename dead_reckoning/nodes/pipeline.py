@@ -18,7 +18,8 @@ from dead_reckoning.core.stages import (
     gravity_input,
 )
 from dead_reckoning.nodes import gravity_removal, integrator
-from dead_reckoning.nodes.chain_node import ChainNode, run
+from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.run import run
 from dead_reckoning.nodes.simulated_driver import SimulatedDriver
 
 

@@ -14,7 +14,8 @@ from math import sqrt
 from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.samples import LinearAcceleration, Matrix, NavigationState, Vector
 from dead_reckoning.core.stages import ACCELERATION, GROUND_TRUTH, ODOMETRY
-from dead_reckoning.nodes.chain_node import ChainNode, run
+from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.run import run
 
 
 class Recorder(ChainNode):
