@@ -1,0 +1,203 @@
+"""From counts to samples: averages, stamps, calibration, and no trace of how calls were cut."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dead_reckoning.core.accelerometer import AnalogAccelerometer
+from dead_reckoning.core.errors import CalibrationError, NotAtRestError, SupersededError
+from dead_reckoning.core.front_end import Conversions, FrontEnd
+from dead_reckoning.core.rest import GRAVITY
+
+RATE = 6400.0
+START_NS = 1_700_000_000_000_000_000
+MODEL = AnalogAccelerometer(
+    range_g=1.5,
+    zero_g=(1.65, 1.65, 1.65),
+    sensitivity=(0.8, 0.8, 0.8),
+    zero_g_tolerance=0.165,
+    swing=(0.25, 3.05),
+    noise=0.0047,
+    reference=3.3,
+    bits=12,
+)
+OFFSET = np.array([0.3, -0.2, 0.4])
+UP = np.array([0.0, 0.0, GRAVITY])
+
+
+def front_end(**kwargs):
+    settings = {
+        'frame_id': 'imu_link',
+        'samples_per_message': 64,
+        'calibration_samples': 1024,
+        'rest_deviation': 0.5,
+        'calibrate_on_start': False,
+    }
+    return FrontEnd(MODEL, **(settings | kwargs))
+
+
+def conversions(count, force=(0.0, 0.0, GRAVITY), seed=1):
+    """Return conversions of a sensor with OFFSET that measures a force, shape (3,) or (n, 3)."""
+    random = np.random.default_rng(seed)
+    force = np.broadcast_to(force, (count, 3))
+    volts = MODEL.volts(force + OFFSET) + MODEL.noise * random.standard_normal((count, 3))
+    stamps_ns = START_NS + np.round(np.arange(count) / RATE * 1e9).astype(np.int64)
+    return Conversions(stamps_ns, MODEL.counts(volts))
+
+
+def part(whole, start, stop):
+    return Conversions(whole.stamps_ns[start:stop], whole.counts[start:stop])
+
+
+def moving(count):
+    time = np.arange(count) / RATE
+    return np.outer(np.sin(2.0 * np.pi * time / 0.2), [3.0, 0.0, 0.0]) + UP
+
+
+def plain(samples):
+    return [
+        (sample.stamp_ns, sample.specific_force, sample.specific_force_covariance)
+        for sample in samples
+    ]
+
+
+def test_sample_is_the_mean_of_its_conversions():
+    whole = conversions(128)
+    first, second = front_end().add(whole)
+    for sample, counts in ((first, whole.counts[:64]), (second, whole.counts[64:])):
+        expected = MODEL.force(counts.mean(axis=0), np.array(MODEL.zero_g))
+        assert sample.specific_force == pytest.approx(expected)
+        assert sample.frame_id == 'imu_link'
+        assert sample.orientation is None
+        assert sample.angular_velocity is None
+
+
+def test_stamp_is_the_middle_of_the_block():
+    """64 conversions at 6400 Hz: from 0 to 63/6400 s."""
+    first, second = front_end().add(conversions(128))
+    assert first.stamp_ns - START_NS == round(31.5 / RATE * 1e9)
+    assert second.stamp_ns - first.stamp_ns == 10_000_000
+
+
+def test_one_conversion_is_its_own_sample():
+    whole = conversions(5)
+    samples = front_end(samples_per_message=1).add(whole)
+    assert [sample.stamp_ns for sample in samples] == whole.stamps_ns.tolist()
+
+
+def test_covariance_is_that_of_the_mean():
+    (sample,) = front_end().add(conversions(64))
+    x, y, z = MODEL.variance(64)
+    assert sample.specific_force_covariance == (x, 0, 0, 0, y, 0, 0, 0, z)
+
+
+def test_clipped_conversions_are_counted_and_show_in_the_covariance():
+    force = np.tile([0.0, 0.0, GRAVITY], (128, 1))
+    force[70:80, 0] = 3.0 * GRAVITY
+    force[75:85, 1] = -3.0 * GRAVITY
+    device = front_end()
+    clean, clipped = device.add(conversions(128, force))
+    assert device.clipped == 15
+    x, y, z = clipped.specific_force_covariance[::4]
+    assert (x, y) == pytest.approx(((1.5 * GRAVITY) ** 2,) * 2)
+    assert z == clean.specific_force_covariance[8] == pytest.approx(MODEL.variance(64)[2])
+
+
+def test_calibration_at_the_start_is_silent_and_takes_the_offsets_out():
+    device = front_end(calibrate_on_start=True)
+    assert device.add(conversions(1023)) == []
+    samples = device.add(part(conversions(1024 + 640), 1023, 1024 + 640))
+    assert len(samples) == 10
+    assert samples[0].stamp_ns == START_NS + round((1024 + 31.5) / RATE * 1e9)
+    assert device.finding is None
+    mean = np.mean([sample.specific_force for sample in samples], axis=0)
+    assert mean == pytest.approx([0.0, 0.0, GRAVITY], abs=0.02)
+
+
+def test_without_calibration_the_offsets_show():
+    mean = np.mean([s.specific_force for s in front_end().add(conversions(6400))], axis=0)
+    assert mean == pytest.approx(OFFSET + UP, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ('force', 'error'),
+    [(moving(1024), NotAtRestError), ((5.0, 0.0, GRAVITY), CalibrationError)],
+)
+def test_failure_at_the_start_is_said_and_samples_come_all_the_same(force, error):
+    device = front_end(calibrate_on_start=True)
+    assert device.add(conversions(1024, force)) == []
+    assert isinstance(device.finding, error)
+    (sample,) = device.add(part(conversions(1024 + 64), 1024, 1024 + 64))
+    assert sample.specific_force == pytest.approx(OFFSET + UP, abs=0.05)
+    np.testing.assert_array_equal(device.zero_g, MODEL.zero_g)
+
+
+def test_calibration_on_demand_keeps_the_samples_coming():
+    device = front_end()
+    future = device.calibrate()
+    samples = device.add(conversions(1023))
+    assert len(samples) == 15
+    assert not future.done()
+    device.add(part(conversions(1024), 1023, 1024))
+    assert future.result(timeout=0).startswith('offset of x, y, z: +0.03')
+    off = (device.zero_g - MODEL.zero_g) / MODEL.sensitivity * GRAVITY
+    assert off == pytest.approx(OFFSET, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ('force', 'error'),
+    [(moving(1024), NotAtRestError), ((5.0, 0.0, GRAVITY), CalibrationError)],
+)
+def test_calibration_on_demand_that_fails_leaves_the_offsets(force, error):
+    device = front_end(calibrate_on_start=True)
+    device.add(conversions(1024))
+    before = device.zero_g.copy()
+    future = device.calibrate()
+    device.add(conversions(1024, force))
+    assert isinstance(future.exception(timeout=0), error)
+    assert device.finding is None, 'who asked was told'
+    np.testing.assert_array_equal(device.zero_g, before)
+
+
+def test_asking_again_starts_over():
+    device = front_end()
+    first = device.calibrate()
+    device.add(conversions(1000, moving(1000)))
+    second = device.calibrate()
+    assert isinstance(first.exception(timeout=0), SupersededError)
+    device.add(conversions(1024))
+    assert second.result(timeout=0).startswith('offset of')
+
+
+cuts = st.lists(st.integers(0, 3000), max_size=12).map(sorted)
+
+
+@settings(max_examples=30)
+@given(cuts, st.sampled_from([1, 7, 64]), st.booleans(), st.booleans())
+def test_cutting_the_conversions_changes_nothing(cuts, per_message, calibrate, still):
+    whole = conversions(3000, (0.0, 0.0, GRAVITY) if still else moving(3000))
+    kwargs = {'samples_per_message': per_message, 'calibrate_on_start': calibrate}
+    together = front_end(**kwargs)
+    expected = plain(together.add(whole))
+    assert len(expected) == (3000 - 1024 * calibrate) // per_message
+    cut = front_end(**kwargs)
+    samples = []
+    for start, stop in zip([0, *cuts], [*cuts, 3000], strict=True):
+        samples += cut.add(part(whole, start, stop))
+    assert plain(samples) == expected
+    assert str(cut.finding) == str(together.finding)
+
+
+@settings(max_examples=30)
+@given(cuts)
+def test_cutting_changes_nothing_while_a_calibration_runs(cuts):
+    whole = conversions(3000)
+    together, cut = front_end(), front_end()
+    together.calibrate()
+    cut.calibrate()
+    samples = []
+    for start, stop in zip([0, *cuts], [*cuts, 3000], strict=True):
+        samples += cut.add(part(whole, start, stop))
+    assert plain(samples) == plain(together.add(whole))
+    np.testing.assert_array_equal(cut.zero_g, together.zero_g)
