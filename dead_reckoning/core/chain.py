@@ -19,6 +19,9 @@ Stage: TypeAlias = Mapping[str, Callable[[Any], Iterable[Output]]]
 FAULT = 'fault'
 """Name of the output that carries a `DeadReckoningError` instead of a sample."""
 
+NOTICE = 'notice'
+"""Name of the output that carries a sentence for the user."""
+
 
 class Chain:
     """Run stages one after the other; what one puts out, those who ask for it by name take in.

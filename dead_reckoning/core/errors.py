@@ -4,9 +4,17 @@ Core raises them; a node catches the root only, counts the cause by its class na
 a while and drops the sample.  Every message names the value at fault and the remedy.
 """
 
+from typing import ClassVar
+
 
 class DeadReckoningError(Exception):
-    """Root of all errors that this package raises on purpose."""
+    """Root of all errors that this package raises on purpose.
+
+    ``severity`` is that of the line in the log: a warning where the work goes on without the
+    sample, or with a doubt; an error where what comes out is wrong or missing.
+    """
+
+    severity: ClassVar[str] = 'error'
 
 
 class SettingsError(DeadReckoningError):
@@ -15,6 +23,8 @@ class SettingsError(DeadReckoningError):
 
 class SampleError(DeadReckoningError):
     """A sample can't be used; the estimator's state is as it was before it."""
+
+    severity = 'warning'
 
 
 class NotFiniteError(SampleError):
@@ -59,6 +69,20 @@ class GravityError(DeadReckoningError):
 
 class MountingError(DeadReckoningError):
     """Gravity is far from the up axis: fine for a tilted mounting, else a wrong sign or NED."""
+
+    severity = 'warning'
+
+
+class RestartError(DeadReckoningError):
+    """The stamps went back by more than 1 s: an estimator has started over."""
+
+    severity = 'warning'
+
+
+class GapError(DeadReckoningError):
+    """Samples were missing for longer than may be integrated."""
+
+    severity = 'warning'
 
 
 class CalibrationError(DeadReckoningError):

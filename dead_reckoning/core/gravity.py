@@ -101,6 +101,8 @@ class GravityRemoval:
         self.settings = settings
         self.findings: list[DeadReckoningError] = []
         """What the last rest showed to be wrong, for whoever reports it and clears it."""
+        self.levelled = ''
+        """What the last levelling found, in words."""
         self._world_frame = frames.world
         self._noise = isotropic(common.noise_deviation)
         self._tilt = isotropic(common.attitude_deviation)
@@ -229,6 +231,7 @@ class GravityRemoval:
             self._levelling.fail(error)
         else:
             self._window = None
+            self.levelled = said
             self._levelling.succeed(said)
 
     def _level_at(self, rest: Rest, attitude: Quaternion | None) -> str:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dead_reckoning.core.chain import FAULT, Output, Stage
-from dead_reckoning.core.errors import SampleError
+from dead_reckoning.core.chain import FAULT, NOTICE, Output, Stage
+from dead_reckoning.core.errors import GapError, RestartError, SampleError
 from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.pairing import StampPairs
@@ -27,14 +27,19 @@ def gravity_stage(removal: GravityRemoval) -> Stage:
 
     def take(imu: ImuSample) -> list[Output]:
         outputs: list[Output] = []
+        restarts, levelled = removal.restarts, removal.levelled
         try:
-            levelled = removal.update(imu)
+            made = removal.update(imu)
         except SampleError as error:
             outputs.append((FAULT, error))
         else:
-            if levelled.imu is not imu:
-                outputs.append((IMU, levelled.imu))
-            outputs.append((ACCELERATION, levelled.acceleration))
+            if made.imu is not imu:
+                outputs.append((IMU, made.imu))
+            outputs.append((ACCELERATION, made.acceleration))
+        if removal.restarts != restarts:
+            outputs.append((FAULT, RestartError('the stamps went back: looking for rest anew')))
+        if removal.levelled != levelled:
+            outputs.append((NOTICE, f'levelled: {removal.levelled}'))
         if removal.findings:
             outputs.extend((FAULT, finding) for finding in removal.findings)
             removal.findings.clear()
@@ -44,7 +49,7 @@ def gravity_stage(removal: GravityRemoval) -> Stage:
 
 
 def integrator_stage(integrator: Integrator) -> Stage:
-    """Take acceleration and attitude with equal stamps; give the state, and rest on change."""
+    """Take acceleration and attitude of equal stamps; give the state, and rest on change."""
     pairs: StampPairs[LinearAcceleration, ImuSample] = StampPairs()
     said: bool | None = None
 
@@ -56,10 +61,15 @@ def integrator_stage(integrator: Integrator) -> Stage:
             outputs.append((FAULT, lost))
         if pair is None:
             return outputs
+        restarts, gaps = integrator.restarts, integrator.gaps
         try:
             state = integrator.update(*pair)
         except SampleError as error:
             return [*outputs, (FAULT, error)]
+        if integrator.restarts != restarts:
+            outputs.append((FAULT, RestartError('the stamps went back: starting at the origin')))
+        if integrator.gaps != gaps:
+            outputs.append((FAULT, _gap(integrator.settings.max_gap)))
         outputs.append((ODOMETRY, state))
         if state.stationary is not said:
             said = state.stationary
@@ -70,3 +80,10 @@ def integrator_stage(integrator: Integrator) -> Stage:
         ACCELERATION: lambda sample: integrate(pairs.left(sample.stamp_ns, sample)),
         IMU: lambda imu: integrate(pairs.right(imu.stamp_ns, imu)),
     }
+
+
+def _gap(max_gap: float) -> GapError:
+    return GapError(
+        f'no samples for more than {max_gap:g} s: position and velocity are held, their '
+        'uncertainty grows; if the sensor is that slow, raise integrator.max_gap'
+    )
