@@ -25,6 +25,9 @@ IDENTITY: Matrix = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 UNKNOWN: Matrix = (0.0,) * 9
 """The covariance that says nothing (REP-145): unknown, never certain."""
 
+UNMEASURED_VARIANCE = 1e6
+"""Variance in an Odometry of a rate that nothing measures: huge, as zero would mean certain."""
+
 NANOSECONDS = 1_000_000_000
 
 

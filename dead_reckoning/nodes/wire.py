@@ -30,6 +30,7 @@ from dead_reckoning.core.samples import (
     IDENTITY_QUATERNION,
     NANOSECONDS,
     UNKNOWN,
+    UNMEASURED_VARIANCE,
     ZERO,
     ImuSample,
     LinearAcceleration,
@@ -39,8 +40,6 @@ from dead_reckoning.core.samples import (
 
 LITTLE_ENDIAN = b'\x00\x01\x00\x00'
 NOT_MEASURED: Matrix = (-1.0, *UNKNOWN[1:])
-UNMEASURED_VARIANCE = 1e6
-"""Variance of a twist's angular part that nothing measures: huge, as zero would mean certain."""
 
 _STAMP = Struct('<iII')  # sec, nanosec, length of the frame id with its zero byte
 _STAMP_AT = 4
