@@ -38,7 +38,7 @@ def gravity_stage(removal: GravityRemoval) -> Stage:
             outputs.append((ACCELERATION, made.acceleration))
         if removal.restarts != restarts:
             outputs.append((FAULT, RestartError('the stamps went back: looking for rest anew')))
-        if removal.levelled != levelled:
+        if removal.levelled is not levelled:  # the same words may be said anew
             outputs.append((NOTICE, f'levelled: {removal.levelled}'))
         if removal.findings:
             outputs.extend((FAULT, finding) for finding in removal.findings)

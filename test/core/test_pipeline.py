@@ -1,0 +1,125 @@
+"""The whole chain on the simulated sensor with every effect on: AN3397's slide."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from dead_reckoning.configuration import Configuration
+from dead_reckoning.core.chain import FAULT
+from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.errors import NotLevelledError
+from dead_reckoning.core.front_end import FrontEnd
+from dead_reckoning.core.gravity import GravitySettings
+from dead_reckoning.core.integrator import IntegratorSettings
+from dead_reckoning.core.pipeline import Pipeline
+from dead_reckoning.core.stages import ODOMETRY, RAW
+from dead_reckoning.sources import motions
+from dead_reckoning.sources.driver_settings import DriverSettings
+from dead_reckoning.sources.simulated import SimulatedAccelerometer, SimulatedSettings
+
+START_NS = 1_700_000_000_000_000_000
+SEEDS = range(20)
+
+
+def slide(seed, **values):
+    """Run 5 s of a slide with random faults of the sensor; return states, end truth, faults."""
+    random = np.random.default_rng(seed)
+    configuration = Configuration(
+        {
+            'driver.simulated.seed': seed,
+            'driver.simulated.offset': random.uniform(-0.5, 0.5, 3),
+            'driver.simulated.sensitivity_error': random.uniform(-0.01, 0.01, 3),
+            **values,
+        }
+    )
+    driver = configuration[DriverSettings]
+    motion = motions.motion_class(driver.motion)
+    source = SimulatedAccelerometer(
+        configuration[SimulatedSettings],
+        driver.model(),
+        motion(configuration[motion.Settings]),
+        driver.sample_rate,
+        START_NS,
+    )
+    front_end = FrontEnd(
+        driver.model(),
+        frame_id='imu_link',
+        samples_per_message=driver.samples_per_message,
+        calibration_samples=driver.calibration_samples,
+        rest_deviation=driver.rest_deviation,
+        calibrate_on_start=driver.calibrate_on_start,
+    )
+    chain = Pipeline(
+        configuration[GravitySettings],
+        configuration[IntegratorSettings],
+        configuration[CommonSettings],
+        configuration[FrameSettings],
+    ).chain
+    samples = front_end.add(source.read(round(5.0 * driver.sample_rate)))
+    outputs = [output for sample in samples for output in chain.push(RAW, sample)]
+    states = [value for name, value in outputs if name == ODOMETRY]
+    faults = [value for name, value in outputs if name == FAULT]
+    return states, source.truth(states[-1].stamp_ns), faults
+
+
+@pytest.fixture(scope='module')
+def slides():
+    return [slide(seed) for seed in SEEDS]
+
+
+def test_displacement_is_within_five_percent(slides):
+    errors = [
+        np.linalg.norm(np.subtract(states[-1].position, truth.position))
+        for states, truth, _ in slides
+    ]
+    assert {truth.position[0] for _, truth, _ in slides} == {0.5}
+    assert np.median(errors) / 0.5 <= 0.05
+    assert max(errors) / 0.5 <= 0.10
+
+
+def test_error_is_within_three_sigma_of_what_is_published(slides):
+    for states, truth, _ in slides:
+        error = np.abs(np.subtract(states[-1].position, truth.position))
+        assert (error <= 3.0 * np.sqrt(states[-1].position_covariance[::4])).all()
+
+
+def test_it_ends_at_rest(slides):
+    for states, _, _ in slides:
+        assert states[-1].stationary
+        assert states[-1].velocity == (0.0, 0.0, 0.0)
+        assert not all(state.stationary for state in states)
+
+
+def test_it_only_waits_for_rest(slides):
+    for states, _, faults in slides:
+        assert {type(fault) for fault in faults} == {NotLevelledError}
+        assert len(faults) == 50
+        assert len(states) == 500 - 16 - 50
+
+
+@pytest.mark.parametrize(
+    'values',
+    [
+        {'driver.adc_bits': 8},
+        {'driver.adc_bits': 16},
+        {'driver.range_g': 2.0, 'driver.adc_bits': 10},
+        {'driver.slide.distance': -0.5},
+        {'driver.slide.axis': 'y'},
+        {'integrator.method': 'euler'},
+        {'integrator.movement_end': 'each'},
+    ],
+    ids=str,
+)
+def test_displacement_in_other_set_ups(values):
+    errors = []
+    for seed in range(5):
+        states, truth, _ = slide(seed, **values)
+        errors.append(np.linalg.norm(np.subtract(states[-1].position, truth.position)))
+    assert np.median(errors) / 0.5 <= 0.05
+
+
+def test_same_seed_gives_the_same_bits():
+    first, second = ([dataclasses.astuple(state) for state in slide(3)[0]] for _ in range(2))
+    assert first == second
+    assert first != [dataclasses.astuple(state) for state in slide(4)[0]]

@@ -1,0 +1,187 @@
+"""What each estimator takes and gives in a chain."""
+
+import pytest
+
+from dead_reckoning.core.chain import FAULT, NOTICE, Chain
+from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.errors import (
+    GapError,
+    GravityError,
+    NotFiniteError,
+    NotLevelledError,
+    RepeatedStampError,
+    RestartError,
+    UnpairedError,
+)
+from dead_reckoning.core.gravity import GravityRemoval, GravitySettings
+from dead_reckoning.core.integrator import Integrator, IntegratorSettings
+from dead_reckoning.core.rest import GRAVITY
+from dead_reckoning.core.samples import IDENTITY_QUATERNION, ImuSample, LinearAcceleration
+from dead_reckoning.core.stages import (
+    ACCELERATION,
+    IMU,
+    ODOMETRY,
+    RAW,
+    STATIONARY,
+    gravity_input,
+    gravity_stage,
+    integrator_stage,
+)
+
+STEP_NS = 10_000_000
+
+
+def gravity_chain(attitude='rest'):
+    settings = GravitySettings(attitude=attitude)
+    return Chain([gravity_stage(GravityRemoval(settings, CommonSettings(), FrameSettings()))])
+
+
+def integrator_chain():
+    return Chain([integrator_stage(Integrator(IntegratorSettings(), CommonSettings()))])
+
+
+def imu(step, force=(0.0, 0.0, GRAVITY), orientation=None):
+    return ImuSample((step + 1) * STEP_NS, 'imu_link', force, orientation=orientation)
+
+
+def acceleration(step, x=0.0):
+    return LinearAcceleration((step + 1) * STEP_NS, 'odom', (x, 0.0, 0.0))
+
+
+def oriented(step):
+    return imu(step, orientation=IDENTITY_QUATERNION)
+
+
+def names(outputs):
+    return [name for name, _ in outputs]
+
+
+@pytest.mark.parametrize(('attitude', 'topic'), [('rest', RAW), ('message', IMU)])
+def test_gravity_removal_takes_the_topic_that_fits_its_attitude(attitude, topic):
+    assert gravity_input(attitude) == topic
+    other = {RAW: IMU, IMU: RAW}[topic]
+    chain = gravity_chain(attitude)
+    assert chain.push(topic, oriented(0)) != []
+    assert chain.push(other, oriented(1)) == []
+
+
+def test_imu_that_came_without_an_attitude_goes_out_with_one():
+    chain = gravity_chain()
+    for step in range(50):
+        ((name, error),) = chain.push(RAW, imu(step))
+        assert name == FAULT
+        assert isinstance(error, NotLevelledError)
+    outputs = chain.push(RAW, imu(50))
+    assert names(outputs) == [IMU, ACCELERATION, NOTICE]
+    levelled, linear, said = (value for _, value in outputs)
+    assert levelled.orientation == IDENTITY_QUATERNION
+    assert levelled.stamp_ns == linear.stamp_ns == 51 * STEP_NS
+    assert said.startswith('levelled: gravity is 9.8066')
+    assert names(chain.push(RAW, imu(51))) == [IMU, ACCELERATION]
+
+
+def test_imu_that_came_with_its_attitude_is_not_repeated():
+    assert names(gravity_chain('message').push(IMU, oriented(0))) == [ACCELERATION]
+
+
+def test_finding_comes_out_once_beside_the_samples():
+    chain = gravity_chain('message')
+    outputs = []
+    for step in range(60):
+        outputs += chain.push(
+            IMU, imu(step, force=(0.0, 0.0, 1.0), orientation=IDENTITY_QUATERNION)
+        )
+    assert names(outputs).count(ACCELERATION) == 60
+    faults = [value for name, value in outputs if name == FAULT]
+    assert [type(fault) for fault in faults] == [GravityError]
+
+
+@pytest.mark.parametrize('imu_first', [True, False])
+def test_integrator_waits_for_both_whichever_comes_first(imu_first):
+    chain = integrator_chain()
+    for step in range(5):
+        both = [(IMU, oriented(step)), (ACCELERATION, acceleration(step))]
+        first, second = both if imu_first else both[::-1]
+        assert chain.push(*first) == []
+        outputs = chain.push(*second)
+        assert names(outputs) == [ODOMETRY, STATIONARY][: 1 + (step == 0)]
+        assert outputs[0][1].stamp_ns == (step + 1) * STEP_NS
+
+
+def test_stationary_is_said_at_the_start_and_on_change():
+    chain = integrator_chain()
+    said = []
+    for step in range(80):
+        chain.push(IMU, oriented(step))
+        outputs = chain.push(ACCELERATION, acceleration(step, 1.0 if 40 <= step < 45 else 0.0))
+        said += [(step, value) for name, value in outputs if name == STATIONARY]
+    assert said == [(0, False), (24, True), (40, False), (69, True)]
+
+
+def test_sample_without_partner_is_said_once_and_holds_up_nothing():
+    chain = integrator_chain()
+    chain.push(ACCELERATION, acceleration(0))
+    chain.push(IMU, oriented(1))
+    outputs = chain.push(ACCELERATION, acceleration(1))
+    assert names(outputs) == [FAULT, ODOMETRY, STATIONARY]
+    error = outputs[0][1]
+    assert isinstance(error, UnpairedError)
+    assert 'imu/linear_acceleration and imu/data' in str(error)
+    chain.push(IMU, oriented(2))
+    assert names(chain.push(ACCELERATION, acceleration(2))) == [ODOMETRY]
+
+
+def test_refused_pair_is_a_fault_and_the_next_one_passes():
+    chain = integrator_chain()
+    for step, x, expected in [
+        (0, 0.0, None),
+        (1, float('nan'), NotFiniteError),
+        (0, 0.0, RepeatedStampError),
+        (1, 0.0, None),
+    ]:
+        chain.push(IMU, oriented(step))
+        name, value = chain.push(ACCELERATION, acceleration(step, x))[0]
+        assert name == (FAULT if expected else ODOMETRY)
+        if expected:
+            assert isinstance(value, expected)
+
+
+def test_restart_of_gravity_removal_is_said_once_and_so_is_each_levelling():
+    chain = gravity_chain()
+    said = []
+    for round_trip in (200, 0):
+        for step in range(60):
+            outputs = chain.push(RAW, imu(round_trip + step))
+            said += [value for name, value in outputs if name in (FAULT, NOTICE)]
+    said = [value for value in said if not isinstance(value, NotLevelledError)]
+    first, restart, second = said
+    assert isinstance(restart, RestartError)
+    assert first == second
+    assert first.startswith('levelled: ')
+
+
+def test_restart_and_gap_of_the_integrator_are_said_once():
+    chain = integrator_chain()
+    faults = []
+    for step in (500, 501, 600, 601, 1, 2):
+        chain.push(IMU, oriented(step))
+        outputs = chain.push(ACCELERATION, acceleration(step))
+        assert ODOMETRY in names(outputs)
+        faults += [(step, type(value)) for name, value in outputs if name == FAULT]
+    assert faults == [(600, GapError), (1, RestartError)]
+
+
+def test_both_in_one_chain_need_nothing_between_them():
+    removal = GravityRemoval(GravitySettings(), CommonSettings(), FrameSettings())
+    integrator = Integrator(IntegratorSettings(), CommonSettings())
+    chain = Chain([gravity_stage(removal), integrator_stage(integrator)])
+    for step in range(50):
+        chain.push(RAW, imu(step))
+    assert names(chain.push(RAW, imu(50))) == [
+        IMU,
+        ACCELERATION,
+        NOTICE,
+        ODOMETRY,
+        STATIONARY,
+    ]
+    assert names(chain.push(RAW, imu(51))) == [IMU, ACCELERATION, ODOMETRY]
