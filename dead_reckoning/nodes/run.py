@@ -1,30 +1,45 @@
-"""Run a node from start to a clean end."""
+"""Run a node from start to a clean end; Ctrl-C and SIGTERM bring that from the first moment on.
+
+This module and those of the executables import nothing slow, so that signals are heard while ROS
+and the rest are imported: half a second in which Python would end with a traceback, or lose the
+signal.
+"""
 
 from __future__ import annotations
 
+import re
 import signal
 import sys
-from collections.abc import Callable
+from importlib import import_module
 from types import FrameType
+from typing import TYPE_CHECKING
 
-import rclpy
-from rclpy.executors import Executor, SingleThreadedExecutor
-from rclpy.signals import SignalHandlerOptions
+if TYPE_CHECKING:
+    from rclpy.executors import Executor
 
-from dead_reckoning.core.errors import DeadReckoningError
-from dead_reckoning.nodes.chain_node import ChainNode
+    from dead_reckoning.nodes.chain_node import ChainNode
 
 SPIN_TIMEOUT = 0.1
 """How long [s] one turn may wait, and so the longest that a signal waits to be heard."""
 
 
-def run(make_node: Callable[[], ChainNode]) -> int:
-    """Run a node until it is told to stop; return the exit status.
+def run(module: str) -> int:
+    """Run the node that a module offers as ``NODE`` until told to stop; return the exit status.
 
     Ctrl-C and SIGTERM end it with status 0, however often they come (ros2 launch sends two), wrong
     parameters with one line and status 2.
     """
     stop = _StopRequest()
+    import rclpy
+    from rclpy.logging import LoggingSeverity, get_logger, set_logger_level
+    from rclpy.signals import SignalHandlerOptions
+
+    from dead_reckoning.core.errors import DeadReckoningError
+
+    make_node = import_module(module).NODE
+    set_logger_level(
+        'rcl', LoggingSeverity.FATAL
+    )  # it would say in a line more that parsing failed
     try:
         # rclpy's own handlers shut the context down under a running callback, whose next publish
         # then fails; these only take note.
@@ -32,38 +47,53 @@ def run(make_node: Callable[[], ChainNode]) -> int:
     except RuntimeError as error:  # rcl's complaint about arguments and parameter files
         print(f'dead_reckoning: {_one_line(error)}', file=sys.stderr)
         return 2
-    node: ChainNode | None = None
+    set_logger_level('rcl', LoggingSeverity.UNSET)
     try:
-        node = make_node()
-        executor = _executor(node.common.executor)
-        executor.add_node(node)
-        while rclpy.ok() and not stop.asked:
-            # The events executor's own spin() hears neither signals nor a shutdown.
-            executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+        if not stop.asked:
+            _spin(make_node(), stop)
     except DeadReckoningError as error:
-        rclpy.logging.get_logger('dead_reckoning').fatal(str(error))
+        get_logger('dead_reckoning').fatal(str(error))
         return 2
     finally:
-        if node is not None:
-            node.destroy_node()
         rclpy.try_shutdown()
+        stop.ignore()
     return 0
+
+
+def _spin(node: ChainNode, stop: _StopRequest) -> None:
+    executor = _executor(node.common.executor)
+    executor.add_node(node)
+    try:
+        while not stop.asked:
+            # The events executor's own spin() hears neither signals nor a shutdown.
+            executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+    finally:
+        node.destroy_node()
 
 
 class _StopRequest:
     """Takes note of Ctrl-C and SIGTERM."""
 
+    SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
     def __init__(self) -> None:
         self.asked = False
-        signal.signal(signal.SIGINT, self._note)
-        signal.signal(signal.SIGTERM, self._note)
+        for number in self.SIGNALS:
+            signal.signal(number, self._note)
 
     def _note(self, number: int, frame: FrameType | None) -> None:
         self.asked = True
 
+    def ignore(self) -> None:
+        """Let no signal disturb the end, where Python would put back the system's default."""
+        for number in self.SIGNALS:
+            signal.signal(number, signal.SIG_IGN)
+
 
 def _executor(kind: str) -> Executor:
     if kind == 'single':
+        from rclpy.executors import SingleThreadedExecutor
+
         return SingleThreadedExecutor()
     from rclpy.experimental import EventsExecutor
 
@@ -71,7 +101,9 @@ def _executor(kind: str) -> Executor:
 
 
 def _one_line(error: Exception) -> str:
-    text = ' '.join(str(error).split())
+    text = re.sub(r',? at \S+\.[ch]:\d+', '', ' '.join(str(error).split()))
+    if text.startswith('['):
+        return f'unknown ROS arguments: {text[1:-1]}'
     if 'bool' in text:
         text += " (an unquoted y, n, yes, no, on or off is a boolean in YAML: quote it, as 'y')"
     return text
