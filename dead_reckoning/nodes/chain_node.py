@@ -8,15 +8,16 @@ from functools import partial
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.service import Service
 
 from dead_reckoning.configuration import COMMON
-from dead_reckoning.core.chain import FAULT, Chain, Output
+from dead_reckoning.core.chain import FAULT, NOTICE, Chain, Output
 from dead_reckoning.core.common import CommonSettings, FrameSettings
-from dead_reckoning.core.errors import WireError
+from dead_reckoning.core.errors import SettingsError, WireError
 from dead_reckoning.core.parameters import Settings
 from dead_reckoning.core.stages import ODOMETRY
 from dead_reckoning.nodes import parameters
@@ -38,7 +39,10 @@ class ChainNode(Node):
     def __init__(self, name: str, parts: Iterable[type[Settings]]) -> None:
         """Raise `SettingsError` for a parameter that is unknown or not allowed."""
         self._deferred: Collection[Service] = ()
-        super().__init__(name)
+        try:
+            super().__init__(name)
+        except ParameterException as error:  # a value that one of ROS's own keys can't have
+            raise SettingsError(str(error)) from error
         self.configuration = parameters.declare(self, (*parts, *COMMON))
         self.common = self.configuration[CommonSettings]
         self.frames = self.configuration[FrameSettings]
@@ -130,6 +134,8 @@ class ChainNode(Node):
                 write(value)
             elif name == FAULT:
                 self.diagnostics.fault(value)
+            elif name == NOTICE:
+                self.get_logger().info(value)
 
     def _all_figures(self) -> Mapping[str, object]:
         return {key: value for figures in self._figures for key, value in figures().items()}

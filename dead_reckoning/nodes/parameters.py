@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, get_origin
 
 from rcl_interfaces.msg import (
@@ -14,10 +14,16 @@ from rcl_interfaces.msg import (
 )
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
+from rclpy.qos import HistoryPolicy, ReliabilityPolicy
 
 from dead_reckoning.configuration import PARTS, Configuration, is_ros_key
 from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.parameters import Parameter, Settings, refuse_unknown
+
+POLICIES = {'history': HistoryPolicy, 'reliability': ReliabilityPolicy}
+"""Policies, beside the depth, that qos_overrides can set here, and their values."""
+
+MAXIMUM_DEPTH = 1_000_000
 
 
 def declare(node: Node, parts: Iterable[type[Settings]]) -> Configuration:
@@ -26,7 +32,9 @@ def declare(node: Node, parts: Iterable[type[Settings]]) -> Configuration:
     Keys of other parts are left to the nodes that own them.  Raises `SettingsError` for a key that
     no part declares and for a value that is not allowed.
     """
-    given = _overrides(node)
+    overrides = _overrides(node)
+    _check_quality_of_service(overrides)
+    given = {key: value for key, value in overrides.items() if not is_ros_key(key)}
     refuse_unknown(given, PARTS)
     parts = tuple(parts)
     own = {p.key for part in parts for p in part.parameters()}
@@ -106,16 +114,39 @@ def descriptor(parameter: Parameter) -> ParameterDescriptor:
 
 
 def _overrides(node: Node) -> dict[str, Any]:
-    """Return what the user gave this node, ROS's own keys left out.
+    """Return what the user gave this node.
 
     rclpy drops overrides that no one declares without a word and has no public way to list them,
     hence the look at its private mapping, here and nowhere else.
     """
-    return {
-        name: list(p.value) if hasattr(p.value, 'tolist') else p.value
-        for name, p in node._parameter_overrides.items()
-        if not is_ros_key(name)
-    }
+    return {name: _from_ros(p) for name, p in node._parameter_overrides.items()}
+
+
+def _from_ros(parameter: RosParameter) -> Any:
+    if parameter.type_ is RosParameter.Type.NOT_SET:
+        return []  # an empty list has no type in ROS, and so no value
+    value = parameter.value
+    return list(value) if hasattr(value, 'tolist') else value
+
+
+def _check_quality_of_service(overrides: Mapping[str, Any]) -> None:
+    """Raise `SettingsError` for a policy in qos_overrides that rclpy would end in a traceback."""
+    for key, value in overrides.items():
+        if not key.startswith('qos_overrides.'):
+            continue
+        policy = key.rpartition('.')[2]
+        if policy == 'depth':
+            if type(value) is not int or not 0 <= value <= MAXIMUM_DEPTH:
+                raise SettingsError(
+                    f'{key}: {value!r} is not allowed; an integer from 0 to {MAXIMUM_DEPTH}'
+                )
+        elif policy in POLICIES:
+            allowed = [name.lower() for name in POLICIES[policy].__members__ if name != 'UNKNOWN']
+            if not isinstance(value, str) or value.lower() not in allowed:
+                raise SettingsError(
+                    f'{key}: {value!r} is not allowed; one of '
+                    + ', '.join(repr(name) for name in allowed)
+                )
 
 
 def _to_ros(value: Any) -> Any:
