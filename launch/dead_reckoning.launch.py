@@ -1,0 +1,92 @@
+"""Start the driver of the accelerometer and the nodes that turn its samples into a position."""
+
+from pathlib import Path
+
+from launch import LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+from dead_reckoning.sources.driver_settings import DriverSettings
+
+PACKAGE = 'dead_reckoning'
+NODES = ('accelerometer_driver', 'gravity_removal', 'integrator')
+SHARE = Path(__file__).absolute().parents[1]
+RVIZ_CONFIG = SHARE / 'rviz' / 'dead_reckoning.rviz'
+AS_CONFIGURED = 'empty: as the configuration says'
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Describe the arguments and the nodes."""
+    return LaunchDescription(
+        [
+            DeclareLaunchArgument(
+                'config',
+                default_value='mma7260qt.yaml',
+                description="Parameter file: a path, or the name of one of the package's own",
+            ),
+            _declare_setting('source'),
+            _declare_setting('motion'),
+            DeclareLaunchArgument(
+                'namespace', default_value='', description='Namespace of nodes and topics'
+            ),
+            DeclareLaunchArgument(
+                'use_sim_time',
+                default_value='',
+                choices=['', 'true', 'false'],
+                description=f'Take the time from /clock; {AS_CONFIGURED}',
+            ),
+            DeclareLaunchArgument(
+                'rviz',
+                default_value='false',
+                choices=['true', 'false'],
+                description='Show the odometry in RViz',
+            ),
+            OpaqueFunction(function=_nodes),
+        ]
+    )
+
+
+def _declare_setting(name: str) -> DeclareLaunchArgument:
+    """Declare an argument that replaces the driver's parameter of that name, if given."""
+    setting = next(p for p in DriverSettings.parameters() if p.name == name)
+    return DeclareLaunchArgument(
+        name,
+        default_value='',
+        choices=['', *setting.choices],
+        description=f'{setting.description}; {AS_CONFIGURED}',
+    )
+
+
+def _nodes(context: LaunchContext) -> list[Node]:
+    def argument(name: str) -> str:
+        return LaunchConfiguration(name).perform(context)
+
+    given: dict[str, str | bool] = {}
+    for name in ('source', 'motion'):
+        if argument(name):
+            given[f'driver.{name}'] = argument(name)
+    if argument('use_sim_time'):
+        given['use_sim_time'] = argument('use_sim_time') == 'true'
+    nodes = [
+        Node(
+            package=PACKAGE,
+            executable=name,
+            namespace=argument('namespace'),
+            parameters=[_parameter_file(argument('config')), *([given] if given else [])],
+            output='screen',
+        )
+        for name in NODES
+    ]
+    if argument('rviz') == 'true':
+        view = ['-d', str(RVIZ_CONFIG)] if RVIZ_CONFIG.is_file() else []
+        nodes.append(Node(package='rviz2', executable='rviz2', arguments=view))
+    return nodes
+
+
+def _parameter_file(config: str) -> Path:
+    for path in (Path(config), SHARE / 'config' / config):
+        if path.is_file():
+            return path
+    own = ', '.join(sorted(path.name for path in (SHARE / 'config').glob('*.yaml')))
+    raise RuntimeError(f'config: no file {config!r}; give a path, or one of {own}')
