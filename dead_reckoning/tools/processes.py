@@ -18,6 +18,12 @@ PATIENCE = 5.0
 """How long [s] a process may take to end after SIGINT, before it is killed."""
 
 
+def environment() -> dict[str, str]:
+    """Return what keeps nodes to this machine, and to a domain of its own if none is chosen."""
+    domain = os.environ.get('ROS_DOMAIN_ID') or str(1 + os.getpid() % 100)
+    return {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', 'ROS_DOMAIN_ID': domain}
+
+
 class NodeEndedError(DeadReckoningError):
     """A node ended by itself while it was needed."""
 

@@ -14,7 +14,7 @@ from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import GROUND_TRUTH
 from dead_reckoning.tools.demo.cases import CASES, Case, Row, compare
 from dead_reckoning.tools.demo.recording import Recording, parse
-from dead_reckoning.tools.processes import Interruption, Nodes, interruptible
+from dead_reckoning.tools.processes import Interruption, Nodes, environment, interruptible
 
 START_DEADLINE = 30.0
 """How long [s] the nodes may take to find each other."""
@@ -52,12 +52,6 @@ def main(arguments: argparse.Namespace) -> int:
             print(f'picture  {picture}')
     print(f'page     {page}')
     return 0
-
-
-def environment() -> dict[str, str]:
-    """Return what keeps the demo to this machine, and to a domain of its own if none is chosen."""
-    domain = os.environ.get('ROS_DOMAIN_ID') or str(1 + os.getpid() % 100)
-    return {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', 'ROS_DOMAIN_ID': domain}
 
 
 def run(case: Case) -> Recording:
