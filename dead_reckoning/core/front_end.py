@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dead_reckoning.core.accelerometer import AnalogAccelerometer
+from dead_reckoning.core.accelerometer import Accelerometer
 from dead_reckoning.core.errors import CalibrationError, DeadReckoningError, NotAtRestError
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.samples import ImuSample, Matrix, Vector
@@ -37,7 +37,7 @@ class FrontEnd:
 
     def __init__(
         self,
-        model: AnalogAccelerometer,
+        model: Accelerometer,
         *,
         frame_id: str,
         samples_per_message: int,

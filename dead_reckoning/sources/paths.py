@@ -1,4 +1,4 @@
-"""Smooth paths through knots, with exact derivatives: what the motions of the simulator are made of."""
+"""Smooth paths through knots, with exact derivatives: what simulated motions are made of."""
 
 from __future__ import annotations
 
@@ -48,7 +48,14 @@ class Path:
         push = zero if accelerations is None else np.asarray(accelerations, dtype=float)
         h = np.diff(self.times)[:, None]
         ends = np.stack(
-            [value[:-1], rate[:-1] * h, push[:-1] * h**2, value[1:], rate[1:] * h, push[1:] * h**2],
+            [
+                value[:-1],
+                rate[:-1] * h,
+                push[:-1] * h**2,
+                value[1:],
+                rate[1:] * h,
+                push[1:] * h**2,
+            ],
             axis=1,
         )
         self._coefficients: Array = np.einsum('pe,kec->kpc', _HERMITE, ends)
@@ -99,4 +106,5 @@ def crossing_times(path: Path, levels: Sequence[float]) -> Array:
         middle = 0.5 * (low + high)
         below = path.at(middle)[0][:, 0] < np.asarray(levels)
         low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return 0.5 * (low + high)
+    times: Array = 0.5 * (low + high)
+    return times

@@ -25,8 +25,8 @@ class Kinematics:
     """The truth at n times, in the frame t of the table the motion happens on.
 
     ``position`` [m], ``velocity`` [m/s], ``acceleration`` [m/s²], shapes (n, 3), frame t.
-    ``euler`` and ``euler_rate``, shapes (n, 3) [rad], [rad/s]: roll, pitch, yaw of the body against
-    the table, and how they change.
+    ``euler`` and ``euler_rate``, shapes (n, 3) [rad], [rad/s]: roll, pitch, yaw of the body
+    against the table, and how they change.
     """
 
     position: Array

@@ -70,7 +70,7 @@ class Gait:
         ways = np.array([0.0, 0.06, 0.5, 0.94, 1.0])
         values[:] = feet[:-1, None] + ways[:, None] * np.diff(feet, axis=0)[:, None]
         lift = settings.clearance + max(settings.rise, 0.0)
-        values[:, :, 2] += lift * np.array([0.0, 0.55, 1.0, 0.25, 0.0]) * (1.0 - 0.0)
+        values[:, :, 2] += lift * np.array([0.0, 0.55, 1.0, 0.25, 0.0])
         values[:, :, 4] = settings.pitch * np.array([0.0, 1.0, 0.35, self.TOE_UP, 0.0])
         speed = np.diff(feet, axis=0) / swing
         rates[:, 1:4] = speed[:, None] * np.array([0.7, 1.75, 0.7])[:, None]
@@ -79,7 +79,8 @@ class Gait:
         rates[:, 2, 4] = -2.2 * settings.pitch / swing
         self._path = Path(times.tolist(), values.reshape(-1, 6), rates.reshape(-1, 6))
         self.duration = float(times[-1])
-        self.steps = Steps(begin + swing, np.full(count, float(np.hypot(length, settings.rise))))
+        ends: Array = begin + swing
+        self.steps = Steps(ends, np.full(count, float(np.hypot(length, settings.rise))))
 
     def at(self, time: Array) -> Kinematics:
         """Return the truth at ``time``, shape (n,) [s]."""

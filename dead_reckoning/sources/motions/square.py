@@ -20,9 +20,7 @@ class SquareSettings(Settings, prefix='driver.square'):
     side_duration: float = parameter(
         0.8, 'How long a side takes', unit='s', minimum=0.01, maximum=1000.0
     )
-    pause: float = parameter(
-        0.7, 'Rest at each corner', unit='s', minimum=0.0, maximum=1000.0
-    )
+    pause: float = parameter(0.7, 'Rest at each corner', unit='s', minimum=0.0, maximum=1000.0)
     start: float = parameter(3.0, 'Rest before it', unit='s', minimum=0.0, maximum=1000.0)
 
 

@@ -19,9 +19,7 @@ class VehicleSettings(Settings, prefix='driver.vehicle'):
     length: float = parameter(
         40.0, 'From end to end of the eight', unit='m', minimum=1.0, maximum=10_000.0
     )
-    width: float = parameter(
-        20.0, 'Width of its loops', unit='m', minimum=0.5, maximum=10_000.0
-    )
+    width: float = parameter(20.0, 'Width of its loops', unit='m', minimum=0.5, maximum=10_000.0)
     loops: int = parameter(2, 'How often the eight is driven', minimum=1, maximum=10_000)
     loop_time: float = parameter(
         40.0, 'How long an eight takes, stops left out', unit='s', minimum=1.0, maximum=100_000.0

@@ -18,12 +18,8 @@ class WalkSettings(Settings, prefix='driver.walk'):
     """A straight walk of a number of steps."""
 
     steps: int = parameter(60, 'Number of steps', minimum=1, maximum=1_000_000)
-    cadence: float = parameter(
-        1.8, 'Steps per second', unit='Hz', minimum=0.3, maximum=4.0
-    )
-    step_length: float = parameter(
-        0.7, 'Length of a step', unit='m', minimum=0.05, maximum=3.0
-    )
+    cadence: float = parameter(1.8, 'Steps per second', unit='Hz', minimum=0.3, maximum=4.0)
+    step_length: float = parameter(0.7, 'Length of a step', unit='m', minimum=0.05, maximum=3.0)
     leg_length: float = parameter(
         0.9, 'From hip to ground, which sets how far the trunk bounces', unit='m',
         minimum=0.2, maximum=2.0,
@@ -43,7 +39,7 @@ class WalkSettings(Settings, prefix='driver.walk'):
 
 
 class Walk:
-    """Everything repeats with the phase φ, which counts steps and passes k − ½ when foot k lands.
+    """Everything repeats with the phase φ, which counts steps; foot k lands at φ = k − ½.
 
     A leg that swings over like a pendulum lifts the trunk by ``ℓ − √(ℓ² − (L/2)²)`` in each step of
     length L; knees and ankles take up part of it (here two fifths; Gard and Childress 2001,
