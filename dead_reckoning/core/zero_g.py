@@ -61,8 +61,8 @@ class ZeroGCalibration:
             tolerance_g = model.zero_g_tolerance / model.sensitivity[worst]
             tilt = degrees(asin(min(1.0, abs(off_g))))
             raise CalibrationError(
-                f'the offset of axis {"xyz"[worst]} would be {off_g:+.3f} g, a good part has up to '
-                f'±{tolerance_g:.3f} g: the device is not level ({tilt:.0f}° would look like '
+                f'the offset of axis {"xyz"[worst]} would be {off_g:+.3f} g, a good part has up '
+                f'to ±{tolerance_g:.3f} g: the device is not level ({tilt:.0f}° would look like '
                 'this), its z axis does not point up, or driver.range_g, driver.supply or '
                 'driver.adc_reference do not fit the circuit'
             )

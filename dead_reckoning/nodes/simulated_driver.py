@@ -51,6 +51,7 @@ class SimulatedDriver:
         motion = motions.motion_class(self._settings.motion)
         return SimulatedAccelerometer(
             self._configuration[SimulatedSettings],
+            self._settings.part,
             self._settings.model(),
             motion(self._configuration[motion.Settings]),
             self._settings.sample_rate,

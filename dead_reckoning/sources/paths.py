@@ -80,9 +80,9 @@ class Path:
 
 
 def ramp(start: float, end: float, speed: float, ramp_time: float, begin: float = 0.0) -> Path:
-    """Go from ``start`` to ``end`` at ``speed``, speeding up and slowing down in ``ramp_time`` [s].
+    """Go from ``start`` to ``end`` at ``speed``, with smooth ramps of ``ramp_time`` [s].
 
-    Shape of the path: (k, 1).  It begins to move at ``begin`` [s].
+    The path has one channel and begins to move at ``begin`` [s].
     """
     way = end - start
     sign = 1.0 if way >= 0.0 else -1.0

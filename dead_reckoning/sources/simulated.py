@@ -93,8 +93,8 @@ class SimulatedAccelerometer:
     """Read a sensor that moves: conversion k happens ``k / sample_rate`` after the start.
 
     The force passes, in this order: misalignment and cross-axis sensitivity; scale, nonlinearity,
-    offset and their drift; supply; low-pass; noise; sleep; the swing and the ADC.  The same settings
-    and seed give the same counts, however they are read in pieces.
+    offset and their drift; supply; low-pass; noise; sleep; the swing and the ADC.  The same
+    settings and seed give the same counts, however they are read in pieces.
     """
 
     def __init__(

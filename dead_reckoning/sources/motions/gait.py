@@ -79,7 +79,7 @@ class Gait:
         rates[:, 2, 4] = -2.2 * settings.pitch / swing
         self._path = Path(times.tolist(), values.reshape(-1, 6), rates.reshape(-1, 6))
         self.duration = float(times[-1])
-        ends: Array = begin + swing
+        ends = np.asarray(begin + swing, dtype=np.float64)
         self.steps = Steps(ends, np.full(count, float(np.hypot(length, settings.rise))))
 
     def at(self, time: Array) -> Kinematics:

@@ -41,10 +41,10 @@ class WalkSettings(Settings, prefix='driver.walk'):
 class Walk:
     """Everything repeats with the phase φ, which counts steps; foot k lands at φ = k − ½.
 
-    A leg that swings over like a pendulum lifts the trunk by ``ℓ − √(ℓ² − (L/2)²)`` in each step of
-    length L; knees and ankles take up part of it (here two fifths; Gard and Childress 2001,
-    doi:10.1053/apmr.2001.19240, measure about that).  On it ride the shock of the landing, as a
-    second harmonic, a sway to the side once in two steps, and an ebb and flow of the speed.
+    A leg that swings over like a pendulum lifts the trunk by ``ℓ − √(ℓ² − (L/2)²)`` in each step
+    of length L; knees and ankles take up part of it, here two fifths, which makes 4 cm of a step
+    of 0.7 m.  On it ride the shock of the landing, as a second harmonic, a sway to the side once
+    in two steps, and an ebb and flow of the speed.
     """
 
     Settings: ClassVar[type[Settings]] = WalkSettings
