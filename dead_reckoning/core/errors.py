@@ -89,6 +89,10 @@ class CalibrationError(DeadReckoningError):
     """An offset found at rest is beyond what the sensor can have."""
 
 
+class StepCalibrationError(DeadReckoningError):
+    """The constant of the step length can't be found: nothing was begun, or nobody walked."""
+
+
 class SupersededError(DeadReckoningError):
     """A task was asked for again before it ended."""
 
