@@ -27,6 +27,10 @@ class WalkSettings(Settings, prefix='driver.walk'):
     heading: float = parameter(
         0.0, 'Direction of the walk, and yaw of the body', unit='rad', minimum=-7.0, maximum=7.0
     )
+    roll: float = parameter(
+        0.0, 'Roll of the device as it is worn; at π/2 its y axis is up, as for AN-900',
+        unit='rad', minimum=-3.2, maximum=3.2,
+    )  # fmt: skip
     start: float = parameter(3.0, 'Rest before it', unit='s', minimum=0.0, maximum=1000.0)
 
     def validate(self) -> None:
@@ -59,6 +63,7 @@ class Walk:
         leg, half = settings.leg_length, settings.step_length / 2.0
         self._bounce = self.FIRMNESS * (leg - np.sqrt(leg**2 - half**2)) / 2.0
         self._heading = settings.heading
+        self._roll = settings.roll
         self._phase = ramp(
             0.0,
             float(settings.steps),
@@ -80,7 +85,7 @@ class Walk:
         c, s = np.cos(self._heading), np.sin(self._heading)
         turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
         euler = np.zeros((len(time), 3))
-        euler[:, 2] = self._heading
+        euler[:, 0], euler[:, 2] = self._roll, self._heading
         return kinematics(
             place @ turn,
             slope * rate[:, None] @ turn,
