@@ -13,11 +13,13 @@ from typing import Any, ClassVar, TypeVar
 
 import yaml
 
+from dead_reckoning.core import step_detectors
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.gravity import GravitySettings
 from dead_reckoning.core.integrator import IntegratorSettings
 from dead_reckoning.core.parameters import Settings, refuse_unknown
+from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import PipelineSettings
 from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
@@ -35,10 +37,17 @@ DRIVER = (
 )
 """Parts of the accelerometer driver."""
 
+PEDOMETER = (
+    PedometerSettings,
+    *(step_detectors.detector_class(name).Settings for name in step_detectors.names()),
+)
+"""Parts of the pedometer."""
+
 PARTS: tuple[type[Settings], ...] = (
     *DRIVER,
     GravitySettings,
     IntegratorSettings,
+    *PEDOMETER,
     PipelineSettings,
     *COMMON,
 )

@@ -19,7 +19,7 @@ import difflib
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, ClassVar, Protocol, TypeVar, get_args, get_origin, get_type_hints
 
 from dead_reckoning.core.errors import SettingsError
 
@@ -235,6 +235,13 @@ class Settings:
     def values(self) -> dict[str, Value]:
         """Return all values under their full keys."""
         return {p.key: getattr(self, p.name) for p in self.parameters()}
+
+
+class SettingsByPart(Protocol):
+    """The settings of every part, by their class."""
+
+    def __getitem__(self, part: type[SettingsType]) -> SettingsType:
+        """Return the settings of a part."""
 
 
 def _list_type(hint: Any) -> Any:

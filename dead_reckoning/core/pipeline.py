@@ -8,8 +8,17 @@ from dead_reckoning.core.chain import Chain, Stage
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.gravity import GravityRemoval, GravitySettings
 from dead_reckoning.core.integrator import Integrator, IntegratorSettings
-from dead_reckoning.core.parameters import Settings, parameter
-from dead_reckoning.core.stages import gravity_stage, integrator_stage
+from dead_reckoning.core.parameters import Settings, SettingsByPart, parameter
+from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
+from dead_reckoning.core.stages import (
+    IMU,
+    gravity_input,
+    gravity_stage,
+    integrator_stage,
+    pedometer_inputs,
+    pedometer_stage,
+)
+from dead_reckoning.core.step_odometry import StepOdometry
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,21 +32,45 @@ class PipelineSettings(Settings, prefix='pipeline'):
         choices=('topic', 'simulated'),
     )
     estimators: tuple[str, ...] = parameter(
-        ('integrator',), 'Estimators at the end of the chain', choices=('integrator',)
+        ('integrator',),
+        'Estimators at the end of the chain: integrator, pedometer or both',
+        choices=('integrator', 'pedometer'),
     )
 
 
 class Pipeline:
-    """The estimators that the settings ask for, composed."""
+    """The estimators that the settings ask for, composed; what is not there is None.
 
-    def __init__(
-        self,
-        gravity: GravitySettings,
-        integrator: IntegratorSettings,
-        common: CommonSettings,
-        frames: FrameSettings,
-    ) -> None:
-        self.gravity = GravityRemoval(gravity, common, frames)
-        self.integrator = Integrator(integrator, common)
-        stages: list[Stage] = [gravity_stage(self.gravity), integrator_stage(self.integrator)]
+    Gravity is removed for the integrator, and for a pedometer that counts on an `imu/data` that
+    does not come from elsewhere.
+    """
+
+    def __init__(self, settings: SettingsByPart) -> None:
+        estimators = settings[PipelineSettings].estimators
+        common = settings[CommonSettings]
+        self.gravity: GravityRemoval | None = None
+        self.integrator: Integrator | None = None
+        self.pedometer: Pedometer | None = None
+        self.step_odometry: StepOdometry | None = None
+        self.inputs: tuple[str, ...] = ()
+        """Topics that have to come from outside."""
+        stages: list[Stage] = []
+        gravity, pedometer = settings[GravitySettings], settings[PedometerSettings]
+        counts = 'pedometer' in estimators
+        taken = gravity_input(gravity.attitude)
+        inputs: list[str] = []
+        if 'integrator' in estimators or (counts and pedometer.input == IMU != taken):
+            self.gravity = GravityRemoval(gravity, common, settings[FrameSettings])
+            stages.append(gravity_stage(self.gravity))
+            inputs.append(taken)
+        if 'integrator' in estimators:
+            self.integrator = Integrator(settings[IntegratorSettings], common)
+            stages.append(integrator_stage(self.integrator))
+        if counts:
+            self.pedometer = Pedometer(pedometer, settings[pedometer.method_part])
+            self.step_odometry = StepOdometry(pedometer, common)
+            stages.append(pedometer_stage(self.pedometer, self.step_odometry))
+            made = {IMU} if self.gravity is not None and taken != IMU else set()
+            inputs += [name for name in pedometer_inputs(pedometer) if name not in made]
+        self.inputs = tuple(dict.fromkeys(inputs))
         self.chain = Chain(stages)

@@ -7,7 +7,9 @@ from dead_reckoning.core.errors import GapError, RestartError, SampleError
 from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.pairing import StampPairs
+from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, PedometerState
 from dead_reckoning.core.samples import ImuSample, LinearAcceleration
+from dead_reckoning.core.step_odometry import StepOdometry
 
 RAW = 'imu/data_raw'
 IMU = 'imu/data'
@@ -15,6 +17,17 @@ ACCELERATION = 'imu/linear_acceleration'
 ODOMETRY = 'odom'
 STATIONARY = 'stationary'
 GROUND_TRUTH = 'ground_truth/odom'
+COMPASS = 'compass/data'
+STEPS = 'pedometer/steps'
+DISTANCE = 'pedometer/distance'
+STEP_LENGTH = 'pedometer/step_length'
+CADENCE = 'pedometer/cadence'
+STEP_ODOMETRY = 'pedometer/odom'
+TOTALS = 'pedometer/totals'
+"""No topic: put anything into a chain under this name after totals changed by other than samples,
+and what is new of them comes out."""
+
+PEDOMETER_OUTPUTS = (STEPS, DISTANCE, STEP_LENGTH, CADENCE, STEP_ODOMETRY)
 
 
 def gravity_input(attitude: str) -> str:
@@ -82,8 +95,69 @@ def integrator_stage(integrator: Integrator) -> Stage:
     }
 
 
+def pedometer_inputs(settings: PedometerSettings) -> tuple[str, ...]:
+    """Name the topics that a pedometer takes: the Imu, and the compass if it is asked for."""
+    if settings.heading in ('compass', 'any'):
+        return (settings.input, COMPASS)
+    return (settings.input,)
+
+
+def pedometer_stage(pedometer: Pedometer, odometry: StepOdometry) -> Stage:
+    """Take an Imu and the compass; give the totals on change, and the way at each step."""
+    said: dict[str, float] = {}
+
+    def changes(totals: Pedometer | PedometerState) -> list[Output]:
+        now: dict[str, float] = {
+            STEPS: totals.steps,
+            DISTANCE: totals.distance,
+            STEP_LENGTH: totals.step_length,
+            CADENCE: totals.cadence,
+        }
+        new: list[Output] = [(name, now[name]) for name in now if said.get(name) != now[name]]
+        said.update(now)
+        return new
+
+    def count(imu: ImuSample) -> list[Output]:
+        outputs: list[Output] = []
+        restarts, gaps = pedometer.restarts, pedometer.gaps
+        states = pedometer.update(imu)
+        if pedometer.restarts != restarts:
+            outputs.append((FAULT, RestartError('the stamps went back: the walk has ended')))
+        if pedometer.gaps != gaps:
+            outputs.append((FAULT, _walk_ended(pedometer.settings.max_gap)))
+        try:
+            odometry.take_orientation(imu)
+        except SampleError as error:
+            outputs.append((FAULT, error))
+        for state in states:
+            outputs.extend(changes(state))
+            walked = odometry.update(state)
+            if walked is not None:
+                outputs.append((STEP_ODOMETRY, walked))
+        if not said:
+            outputs.extend(changes(pedometer))
+        return outputs
+
+    def turn(imu: ImuSample) -> tuple[()]:
+        odometry.take_compass(imu)
+        return ()
+
+    return {
+        pedometer.settings.input: count,
+        COMPASS: turn,
+        TOTALS: lambda _: changes(pedometer),
+    }
+
+
 def _gap(max_gap: float) -> GapError:
     return GapError(
         f'no samples for more than {max_gap:g} s: position and velocity are held, their '
         'uncertainty grows; if the sensor is that slow, raise integrator.max_gap'
+    )
+
+
+def _walk_ended(max_gap: float) -> GapError:
+    return GapError(
+        f'no samples for more than {max_gap:g} s: the walk has ended, and no step is counted over '
+        'it; if the sensor is that slow, raise pedometer.max_gap'
     )

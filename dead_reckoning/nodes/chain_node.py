@@ -13,6 +13,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.service import Service
+from std_srvs.srv import SetBool, Trigger
 
 from dead_reckoning.configuration import COMMON
 from dead_reckoning.core.chain import FAULT, NOTICE, Chain, Output
@@ -102,7 +103,11 @@ class ChainNode(Node):
 
     def offer(self, name: str, begin: Callable[[], Future[str] | str]) -> None:
         """Offer the Trigger service ``~/name``; see `DeferredServices.add`."""
-        self._services_offered.add(name, begin)
+        self._services_offered.add(name, Trigger, lambda _: begin())
+
+    def offer_switch(self, name: str, begin: Callable[[bool], Future[str] | str]) -> None:
+        """Offer the SetBool service ``~/name``; ``begin`` takes what it is set to."""
+        self._services_offered.add(name, SetBool, lambda request: begin(request.data))
 
     def show(self, figures: Callable[[], Mapping[str, object]]) -> None:
         """Add figures to what /diagnostics shows."""
@@ -116,7 +121,11 @@ class ChainNode(Node):
         """Take a sample of this node's own source: publish it, and run it through the chain."""
         self.diagnostics.samples += 1
         self._put_out([(name, sample)])
-        self._put_out(self._chain.push(name, sample))
+        self.push(name, sample)
+
+    def push(self, name: str, value: Any) -> None:
+        """Put something into the chain, and publish what comes out of it."""
+        self._put_out(self._chain.push(name, value))
 
     def _receive(self, name: str, decode: Callable[[bytes], Any], data: bytes) -> None:
         self.diagnostics.samples += 1
@@ -125,7 +134,7 @@ class ChainNode(Node):
         except WireError as error:
             self.diagnostics.fault(error)
             return
-        self._put_out(self._chain.push(name, sample))
+        self.push(name, sample)
 
     def _put_out(self, flow: Iterable[Output]) -> None:
         for name, value in flow:

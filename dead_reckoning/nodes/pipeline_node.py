@@ -2,55 +2,66 @@
 
 from __future__ import annotations
 
-from dead_reckoning.configuration import DRIVER
+from dead_reckoning.configuration import DRIVER, PEDOMETER
 from dead_reckoning.core.gravity import GravitySettings
 from dead_reckoning.core.integrator import IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.stages import (
     ACCELERATION,
+    COMPASS,
     GROUND_TRUTH,
     IMU,
     ODOMETRY,
+    PEDOMETER_OUTPUTS,
     RAW,
     STATIONARY,
-    gravity_input,
 )
-from dead_reckoning.nodes import gravity_removal_node, integrator_node
+from dead_reckoning.nodes import gravity_removal_node, integrator_node, pedometer_node
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.simulated_driver import SimulatedDriver
 
 
 class PipelineNode(ChainNode):
-    """Go the whole way from an Imu topic, or from a sensor, to `odom` without a topic between."""
+    """Go the whole way from an Imu topic, or from a sensor, to the estimators' outputs.
+
+    Nothing but what someone subscribes is published between.
+    """
 
     def __init__(self) -> None:
-        parts = (PipelineSettings, *DRIVER, GravitySettings, IntegratorSettings)
+        parts = (PipelineSettings, *DRIVER, GravitySettings, IntegratorSettings, *PEDOMETER)
         super().__init__('pipeline', parts)
-        configuration = self.configuration
-        settings = configuration[PipelineSettings]
-        parts_built = Pipeline(
-            configuration[GravitySettings],
-            configuration[IntegratorSettings],
-            self.common,
-            self.frames,
-        )
-        taken = gravity_input(configuration[GravitySettings].attitude)
-        from_topic = settings.source == 'topic'
-        between = [ACCELERATION]
-        if taken == RAW:
-            between.append(IMU)
+        from_topic = self.configuration[PipelineSettings].source == 'topic'
+        pipeline = Pipeline(self.configuration)
+        inputs = [name for name in pipeline.inputs if from_topic or name == COMPASS]
+        outputs: list[str] = []
+        between: list[str] = []
+        if pipeline.gravity is not None:
+            between.append(ACCELERATION)
+            if IMU not in pipeline.inputs:
+                between.append(IMU)
+        if pipeline.integrator is not None:
+            outputs += [ODOMETRY, STATIONARY]
+        if pipeline.pedometer is not None:
+            outputs += PEDOMETER_OUTPUTS
         if not from_topic:
             between += [RAW, GROUND_TRUTH]
         self.connect(
-            parts_built.chain,
-            inputs=(taken,) if from_topic else (),
-            outputs=(ODOMETRY, STATIONARY, *between),
+            pipeline.chain,
+            inputs=inputs,
+            outputs=(*outputs, *between),
             on_demand=between,
         )
         if not from_topic:
-            self.driver = SimulatedDriver(self, configuration)
-        gravity_removal_node.serve(self, parts_built.gravity)
-        integrator_node.serve(self, parts_built.integrator)
+            self.driver = SimulatedDriver(self, self.configuration)
+        if pipeline.gravity is not None:
+            gravity_removal_node.serve(self, pipeline.gravity)
+        if pipeline.integrator is not None:
+            integrator_node.serve(self, pipeline.integrator)
+        if pipeline.pedometer is not None and pipeline.step_odometry is not None:
+            # ~/calibrate is a Trigger here already: the driver's and the integrator's.
+            pedometer_node.serve(
+                self, pipeline.pedometer, pipeline.step_odometry, calibrate='pedometer/calibrate'
+            )
 
 
 NODE = PipelineNode

@@ -9,15 +9,18 @@ from typing import Any
 
 from rclpy.node import Node
 from rclpy.service import Service
-from std_srvs.srv import Trigger
 
 from dead_reckoning.core.errors import DeadReckoningError
 
-Begin = Callable[[], Future[str] | str]
+Begin = Callable[[Any], Future[str] | str]
+"""Start the work that a request asks for; return its future, or the answer."""
 
 
 class DeferredServices:
-    """Trigger services whose reply is sent some samples after the request.
+    """Services whose reply is sent some samples after the request.
+
+    Their types are those of std_srvs whose response says ``success`` and ``message``: Trigger and
+    SetBool.
 
     rclpy answers a request when its callback returns, and neither of its executors lets a callback
     wait for samples without starving the subscriptions (the events executor takes no coroutine).
@@ -35,15 +38,18 @@ class DeferredServices:
     def __contains__(self, service: Service) -> bool:
         return any(service is offered for offered, _ in self._works.values())
 
-    def add(self, name: str, begin: Begin) -> None:
-        """Offer ``~/name``; ``begin`` starts the work and returns its future, or the answer.
+    def add(self, name: str, service_type: Any, begin: Begin) -> None:
+        """Offer ``~/name``; ``begin`` takes the request and starts the work.
 
-        Several works under one name are done one after the other, in the order they were added.
+        Several works under one name, which then are of one type, are done one after the other, in
+        the order they were added.
         """
         if name not in self._works:
-            service = self._node.create_service(Trigger, f'~/{name}', _never_called)
+            service = self._node.create_service(service_type, f'~/{name}', _never_called)
             self._works[name] = (service, [])
-        self._works[name][1].append(begin)
+        service, works = self._works[name]
+        assert service.srv_type is service_type, f'~/{name} has a type already'
+        works.append(begin)
 
     def poll(self) -> None:
         """Take new requests, carry on with the works, reply to the requests that are done."""
@@ -52,7 +58,7 @@ class DeferredServices:
                 request, header = service.handle.service_take_request(service.srv_type.Request)
             if request is not None:
                 deadline = time.monotonic() + self._timeout
-                self._requests.append(_Request(service, header, deadline, iter(works)))
+                self._requests.append(_Request(service, request, header, deadline, iter(works)))
         self._requests = [request for request in self._requests if not request.proceed()]
 
 
@@ -60,9 +66,15 @@ class _Request:
     """One request on its way through the works of its service."""
 
     def __init__(
-        self, service: Service, header: Any, deadline: float, works: Iterator[Begin]
+        self,
+        service: Service,
+        request: Any,
+        header: Any,
+        deadline: float,
+        works: Iterator[Begin],
     ) -> None:
         self._service = service
+        self._request = request
         self._header = header
         self._deadline = deadline
         self._works = works
@@ -79,7 +91,7 @@ class _Request:
                 begin = next(self._works, None)
                 if begin is None:
                     return self._reply(True, '; '.join(self._said))
-                answer = begin()
+                answer = begin(self._request)
                 if isinstance(answer, Future):
                     self._current = answer
                 else:
@@ -95,9 +107,8 @@ class _Request:
         )
 
     def _reply(self, success: bool, message: str) -> bool:
-        self._service.send_response(
-            Trigger.Response(success=success, message=message), self._header
-        )
+        response = self._service.srv_type.Response(success=success, message=message)
+        self._service.send_response(response, self._header)
         return True
 
 

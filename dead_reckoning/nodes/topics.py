@@ -10,7 +10,7 @@ from geometry_msgs.msg import AccelWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSDurabilityPolicy, QoSHistoryPolicy, QoSProfile, QoSReliabilityPolicy
 from sensor_msgs.msg import Imu
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, Float64, UInt32
 
 from dead_reckoning.core import stages
 from dead_reckoning.core.common import FrameSettings
@@ -35,6 +35,7 @@ def topics(frames: FrameSettings) -> dict[str, Topic]:
     encode_odometry = wire.odometry_encoder(frames.world, frames.body)
     imu = Topic(Imu, wire.encode_imu, wire.decode_imu)
     odometry = Topic(Odometry, encode_odometry, wire.decode_odometry)
+    number = Topic(Float64, wire.encode_float64, latched=True)
     return {
         stages.RAW: imu,
         stages.IMU: imu,
@@ -44,6 +45,12 @@ def topics(frames: FrameSettings) -> dict[str, Topic]:
         stages.ODOMETRY: odometry,
         stages.GROUND_TRUTH: odometry,
         stages.STATIONARY: Topic(Bool, wire.encode_bool, latched=True),
+        stages.COMPASS: imu,
+        stages.STEPS: Topic(UInt32, wire.encode_uint32, latched=True),
+        stages.DISTANCE: number,
+        stages.STEP_LENGTH: number,
+        stages.CADENCE: number,
+        stages.STEP_ODOMETRY: odometry,
     }
 
 

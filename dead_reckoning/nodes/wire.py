@@ -47,6 +47,8 @@ _TEXT_AT = 16
 _IMU = Struct('<37d')
 _ACCELERATION = Struct('<42d')
 _ODOMETRY = Struct('<85d')
+_UINT32 = Struct('<I')
+_FLOAT64 = Struct('<d')
 _NO_ANGLES = (0.0,) * 3
 
 
@@ -212,6 +214,16 @@ def odometry_encoder(frame_id: str, child_frame_id: str) -> Callable[[Navigation
 def encode_bool(value: bool) -> bytes:
     """Write a std_msgs/Bool."""
     return LITTLE_ENDIAN + (b'\x01' if value else b'\x00')
+
+
+def encode_uint32(value: int) -> bytes:
+    """Write a std_msgs/UInt32."""
+    return LITTLE_ENDIAN + _UINT32.pack(value)
+
+
+def encode_float64(value: float) -> bytes:
+    """Write a std_msgs/Float64."""
+    return LITTLE_ENDIAN + _FLOAT64.pack(value)
 
 
 def _blocks(first: Matrix, second: Matrix) -> tuple[float, ...]:

@@ -39,6 +39,22 @@ PRESETS = (
         {},
         whole=True,
     ),
+    Preset(
+        'an900',
+        'The pedometer of Analog Devices AN-900: an ADXL330 worn with its y axis up, 30 messages '
+        'a second of four conversions each, steps counted on x and y; simulated, on a walk. A '
+        'device that stands upright has no level rest to find its zero-g offsets in.',
+        {
+            'driver.motion': 'walk',
+            'driver.sensor': 'adxl330',
+            'driver.sample_rate': 120.0,
+            'driver.samples_per_message': 4,
+            'driver.calibrate_on_start': False,
+            'driver.walk.roll': 1.5708,
+            'pedometer.axes': ('x', 'y'),
+            'pedometer.length_model': 'an900_equation2',
+        },
+    ),
 )
 
 

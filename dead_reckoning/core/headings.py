@@ -1,0 +1,88 @@
+"""Remember which way a device pointed, for what is known only later."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from dataclasses import dataclass
+
+from dead_reckoning.core.rotation import normalized
+from dead_reckoning.core.samples import NANOSECONDS, UNKNOWN, ImuSample
+from dead_reckoning.core.stamps import RESTART_NS
+
+SPACING_NS = NANOSECONDS // 50
+KEPT = 500
+MINIMUM_LEVEL = 0.1
+"""Sine of the angle to the vertical from which on the x axis points somewhere."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Heading:
+    """Where the x axis points, anticlockwise from east.
+
+    ``x``, ``y``
+        cosine and sine of the heading.
+    ``variance``
+        of the heading [rad²].
+    """
+
+    stamp_ns: int
+    x: float
+    y: float
+    variance: float
+
+
+class HeadingHistory:
+    """Keep the headings of the last ten seconds, fifty a second at most.
+
+    A heading that comes late finds its place; one that is older than the newest by 1 s or more
+    starts a new history.
+    """
+
+    def __init__(self, deviation: float) -> None:
+        """``deviation`` [rad]: of orientations that come without a covariance."""
+        self._variance = deviation * deviation
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all headings."""
+        self._stamps: list[int] = []
+        self._headings: list[Heading] = []
+
+    def add(self, imu: ImuSample) -> None:
+        """Take the heading of a sample, if it has an orientation whose x axis is not upright.
+
+        Raises `NotFiniteError` for an orientation that is no rotation.
+        """
+        if imu.orientation is None:
+            return
+        stamps, stamp_ns = self._stamps, imu.stamp_ns
+        if stamps and stamp_ns <= stamps[-1] - RESTART_NS:
+            self.reset()
+            stamps = self._stamps
+        at = bisect_left(stamps, stamp_ns)
+        if at and stamp_ns - stamps[at - 1] < SPACING_NS:
+            return
+        if at < len(stamps) and stamps[at] - stamp_ns < SPACING_NS:
+            return
+        qx, qy, qz, qw = normalized(imu.orientation)
+        east, north = 1.0 - 2.0 * (qy * qy + qz * qz), 2.0 * (qw * qz + qx * qy)
+        level = (east * east + north * north) ** 0.5
+        if level < MINIMUM_LEVEL:
+            return
+        covariance = imu.orientation_covariance
+        variance = self._variance if covariance == UNKNOWN else covariance[8]
+        if not variance >= 0.0:  # NaN too
+            variance = self._variance
+        stamps.insert(at, stamp_ns)
+        self._headings.insert(at, Heading(stamp_ns, east / level, north / level, variance))
+        if len(stamps) > KEPT:
+            del stamps[0], self._headings[0]
+
+    def at(self, stamp_ns: int, within_ns: int) -> Heading | None:
+        """Return the heading nearest to a stamp, or None if none is within that time [ns]."""
+        at = bisect_left(self._stamps, stamp_ns)
+        near = self._headings[max(0, at - 1) : at + 1]
+        if not near:
+            return None
+        nearest = min(near, key=lambda heading: abs(heading.stamp_ns - stamp_ns))
+        return nearest if abs(nearest.stamp_ns - stamp_ns) <= within_ns else None
