@@ -9,20 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-# Powers of τ in 0 … 1 whose value, slope and curvature at both ends are given: rows are the
-# coefficients of τ⁰ … τ⁵, columns (value, slope, curvature) at 0 and at 1.
-_HERMITE = np.linalg.inv(
-    np.array(
-        [
-            [1, 0, 0, 0, 0, 0],
-            [0, 1, 0, 0, 0, 0],
-            [0, 0, 2, 0, 0, 0],
-            [1, 1, 1, 1, 1, 1],
-            [0, 1, 2, 3, 4, 5],
-            [0, 0, 2, 6, 12, 20],
-        ],
-        dtype=float,
-    )
+# Coefficients of τ³, τ⁴, τ⁵, in this order, of the quintic on 0 … 1 with given ends; columns are
+# slope and half the curvature at 0, the way between the ends, slope and half the curvature at 1.
+_HERMITE = np.array(
+    [
+        [-6.0, -3.0, 10.0, -4.0, 1.0],
+        [8.0, 3.0, -15.0, 7.0, -2.0],
+        [-3.0, -1.0, 6.0, -3.0, 1.0],
+    ]
 )
 
 
@@ -49,17 +43,23 @@ class Path:
         h = np.diff(self.times)[:, None]
         ends = np.stack(
             [
-                value[:-1],
                 rate[:-1] * h,
-                push[:-1] * h**2,
-                value[1:],
+                0.5 * push[:-1] * h**2,
+                np.diff(value, axis=0),
                 rate[1:] * h,
-                push[1:] * h**2,
+                0.5 * push[1:] * h**2,
             ],
             axis=1,
         )
-        self._coefficients: Array = np.einsum('pe,kec->kpc', _HERMITE, ends)
+        self._coefficients: Array = np.concatenate(
+            [
+                np.stack([value[:-1], ends[:, 0], ends[:, 1]], axis=1),
+                np.einsum('pe,kec->kpc', _HERMITE, ends),
+            ],
+            axis=1,
+        )
         self._h: Array = h
+        self._end: Array = value[-1]
 
     def at(self, time: Array) -> tuple[Array, Array, Array]:
         """Return value, rate and acceleration at ``time``, shape (n,): each of shape (n, c)."""
@@ -75,24 +75,30 @@ class Path:
             curvature = curvature * tau + 2.0 * slope
             slope = slope * tau + value
             value = value * tau + c[:, power]
-        outside = ((time < self.times[0]) | (time > self.times[-1]))[:, None]
-        return value, np.where(outside, 0.0, slope / h), np.where(outside, 0.0, curvature / h**2)
+        over = (time >= self.times[-1])[:, None]
+        outside = over | (time < self.times[0])[:, None]
+        return (
+            np.where(over, self._end, value),
+            np.where(outside, 0.0, slope / h),
+            np.where(outside, 0.0, curvature / h**2),
+        )
 
 
 def ramp(start: float, end: float, speed: float, ramp_time: float, begin: float = 0.0) -> Path:
     """Go from ``start`` to ``end`` at ``speed``, with smooth ramps of ``ramp_time`` [s].
 
-    The path has one channel and begins to move at ``begin`` [s].
+    The path has one channel and begins to move at ``begin`` [s].  On a way too short to reach the
+    speed the ramps meet at a lower one.
     """
     way = end - start
-    sign = 1.0 if way >= 0.0 else -1.0
     # A quintic that goes from rest to a speed in a time covers half of speed · time.
-    ramp_time = min(ramp_time, abs(way) / speed)
-    cruise = abs(way) / speed - ramp_time
-    part = sign * speed * ramp_time / 2.0
+    reached = min(speed, abs(way) / ramp_time)
+    rate = float(np.copysign(reached, way))
+    cruise = abs(way) / reached - ramp_time if reached == speed else 0.0
+    part = rate * ramp_time / 2.0
     times = [begin, begin + ramp_time, begin + ramp_time + cruise, begin + 2 * ramp_time + cruise]
     values = [start, start + part, end - part, end]
-    rates = [0.0, sign * speed, sign * speed, 0.0]
+    rates = [0.0, rate, rate, 0.0]
     if cruise < 1e-9:
         del times[2], values[2], rates[2]
     return Path(times, np.array(values)[:, None], np.array(rates)[:, None])
