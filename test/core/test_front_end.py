@@ -5,22 +5,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dead_reckoning.core.accelerometer import AnalogAccelerometer
+from dead_reckoning.core.accelerometer import Accelerometer
 from dead_reckoning.core.errors import CalibrationError, NotAtRestError, SupersededError
 from dead_reckoning.core.front_end import Conversions, FrontEnd
 from dead_reckoning.core.rest import GRAVITY
 
 RATE = 6400.0
 START_NS = 1_700_000_000_000_000_000
-MODEL = AnalogAccelerometer(
+MODEL = Accelerometer(
     range_g=1.5,
     zero_g=(1.65, 1.65, 1.65),
     sensitivity=(0.8, 0.8, 0.8),
     zero_g_tolerance=0.165,
     swing=(0.25, 3.05),
     noise=0.0047,
-    reference=3.3,
-    bits=12,
+    unit_per_count=3.3 / 4096,
+    limits=(0.0, 4095.0),
 )
 OFFSET = np.array([0.3, -0.2, 0.4])
 UP = np.array([0.0, 0.0, GRAVITY])
@@ -41,7 +41,7 @@ def conversions(count, force=(0.0, 0.0, GRAVITY), seed=1):
     """Return conversions of a sensor with OFFSET that measures a force, shape (3,) or (n, 3)."""
     random = np.random.default_rng(seed)
     force = np.broadcast_to(force, (count, 3))
-    volts = MODEL.volts(force + OFFSET) + MODEL.noise * random.standard_normal((count, 3))
+    volts = MODEL.output(force + OFFSET) + MODEL.noise * random.standard_normal((count, 3))
     stamps_ns = START_NS + np.round(np.arange(count) / RATE * 1e9).astype(np.int64)
     return Conversions(stamps_ns, MODEL.counts(volts))
 
