@@ -20,6 +20,13 @@ _HERMITE = np.array(
 )
 
 
+# Third and fourth derivative at 0 and at 1, in units of τ, as they follow from the same columns.
+_THIRD_AT_0 = 6.0 * _HERMITE[0]
+_THIRD_AT_1 = np.array([6.0, 24.0, 60.0]) @ _HERMITE
+_FOURTH_AT_0 = 24.0 * _HERMITE[1]
+_FOURTH_AT_1 = np.array([24.0, 120.0]) @ _HERMITE[1:]
+
+
 class Path:
     """Go through knots by quintic polynomials: value, rate and acceleration are continuous.
 
@@ -60,6 +67,40 @@ class Path:
         )
         self._h: Array = h
         self._end: Array = value[-1]
+
+    @classmethod
+    def of_least_jerk(cls, times: Sequence[float], values: ArrayLike) -> Path:
+        """Go through the knots, from rest to rest, with the least integral of squared jerk.
+
+        That is how hands go through points (Flash and Hogan 1985,
+        doi:10.1523/JNEUROSCI.05-07-01688.1985).  At the inner knots the third and the fourth
+        derivative are continuous too, which gives two equations for the rate and the acceleration
+        of each.
+        """
+        time, value = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+        h, way = np.diff(time), np.diff(value, axis=0)
+        inner = len(time) - 2
+        # Unknowns of knot k: rate and half the acceleration.
+        system = np.zeros((inner, 2, inner + 2, 2))
+        known = np.zeros((inner, 2, value.shape[1]))
+        for k in range(inner):
+            before, after = h[k], h[k + 1]
+            for row, (left, right) in enumerate(
+                ((_THIRD_AT_1, _THIRD_AT_0), (_FOURTH_AT_1, _FOURTH_AT_0))
+            ):
+                end, begin = left / before ** (3 + row), right / after ** (3 + row)
+                system[k, row, k] += end[0] * before, end[1] * before**2
+                system[k, row, k + 1] += end[3] * before, end[4] * before**2
+                system[k, row, k + 1] -= begin[0] * after, begin[1] * after**2
+                system[k, row, k + 2] -= begin[3] * after, begin[4] * after**2
+                known[k, row] = begin[2] * way[k + 1] - end[2] * way[k]
+        solved = np.linalg.solve(
+            system[:, :, 1:-1].reshape(2 * inner, 2 * inner),
+            known.reshape(2 * inner, value.shape[1]),
+        ).reshape(inner, 2, value.shape[1])
+        rates, accelerations = np.zeros_like(value), np.zeros_like(value)
+        rates[1:-1], accelerations[1:-1] = solved[:, 0], 2.0 * solved[:, 1]
+        return cls(times, value, rates, accelerations)
 
     def at(self, time: Array) -> tuple[Array, Array, Array]:
         """Return value, rate and acceleration at ``time``, shape (n,): each of shape (n, c)."""

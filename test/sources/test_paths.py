@@ -60,6 +60,44 @@ def test_between_two_rests_it_is_the_way_of_least_jerk():
     np.testing.assert_allclose(value, 1.0 + 2.0 * (10 * tau**3 - 15 * tau**4 + 6 * tau**5))
 
 
+def test_least_jerk_through_knots_is_smooth_to_the_fourth_derivative():
+    path = Path.of_least_jerk(TIMES, VALUES)
+    np.testing.assert_array_equal(path.at(TIMES)[0], VALUES)
+    step = 1e-3
+    for knot in TIMES[1:-1]:
+        thirds, fourths = [], []
+        for side in (-1.0, 1.0):
+            a, b, c = (path.at(np.array([knot + side * k * step]))[2][0] for k in (1, 2, 3))
+            thirds.append(side * (-1.5 * a + 2.0 * b - 0.5 * c) / step)
+            fourths.append((a - 2.0 * b + c) / step**2)
+        np.testing.assert_allclose(thirds[0], thirds[1], rtol=0.1, atol=2.0)
+        np.testing.assert_allclose(fourths[0], fourths[1], rtol=0.1, atol=20.0)
+
+
+def test_no_other_way_through_the_knots_has_less_jerk():
+    def jerk(path):
+        time = np.linspace(TIMES[0], TIMES[-1], 200_001)
+        return np.sum(np.diff(path.at(time)[2], axis=0) ** 2)
+
+    best = Path.of_least_jerk(TIMES, VALUES)
+    _, rates, accelerations = best.at(TIMES)
+    for knot in range(1, 4):
+        for change in (0.1, -0.1):
+            faster, harder = rates.copy(), accelerations.copy()
+            faster[knot, 0] += change
+            harder[knot, 0] += change
+            assert jerk(Path(TIMES, VALUES, faster, accelerations)) > jerk(best)
+            assert jerk(Path(TIMES, VALUES, rates, harder)) > jerk(best)
+
+
+def test_least_jerk_between_two_knots_needs_no_more():
+    straight = Path.of_least_jerk([0.0, 2.0], [[0.0], [1.0]])
+    time = np.linspace(0.0, 2.0, 20)
+    np.testing.assert_array_equal(
+        straight.at(time)[0], Path([0.0, 2.0], [[0.0], [1.0]]).at(time)[0]
+    )
+
+
 def test_a_polynomial_of_fifth_degree_is_reproduced():
     polynomial = np.polynomial.Polynomial([1.0, -2.0, 0.5, 3.0, -1.0, 0.25])
     times = np.array([0.0, 0.4, 1.5, 2.0])
