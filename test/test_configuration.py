@@ -20,7 +20,14 @@ from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
 
 DECLARED = [pytest.param(part, d, id=d.key) for part in PARTS for d in part.parameters()]
-WITHOUT_UNIT = {'driver.simulated.sensitivity_error'}
+WITHOUT_UNIT = {
+    'driver.gait.stance',
+    'driver.gyro.scale_error',
+    'driver.simulated.cross_axis',
+    'driver.simulated.nonlinearity',
+    'driver.simulated.sensitivity_error',
+    'driver.simulated.supply_error',
+}
 """Real numbers that are ratios."""
 
 
@@ -172,6 +179,15 @@ def test_numbers_are_read_as_rcl_reads_them(file_of, text, value):
     values = read_values(file_of(f'/**: {{ros__parameters: {{driver.noise: {text}}}}}'))
     assert values == {'driver.noise': value}
     assert type(values['driver.noise']) is type(value)
+
+
+@pytest.mark.parametrize(
+    ('text', 'value'),
+    [('y', True), ('Y', True), ('n', False), ('N', False), ('on', True), ('no', False)],
+)
+def test_booleans_are_read_as_rcl_reads_them(file_of, text, value):
+    path = file_of(f'/**: {{ros__parameters: {{frames.publish_tf: {text}}}}}')
+    assert read_values(path) == {'frames.publish_tf': value}
 
 
 @pytest.mark.parametrize('text', ['y', 'Y', 'n', 'yes', 'on'])

@@ -237,8 +237,8 @@ class Settings:
         return {p.key: getattr(self, p.name) for p in self.parameters()}
 
 
-class SettingsByPart(Protocol):
-    """The settings of every part, by their class."""
+class Parts(Protocol):
+    """Settings by their class, as `dead_reckoning.configuration.Configuration` holds them."""
 
     def __getitem__(self, part: type[SettingsType]) -> SettingsType:
         """Return the settings of a part."""

@@ -8,7 +8,7 @@ from dead_reckoning.core.chain import Chain, Stage
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.gravity import GravityRemoval, GravitySettings
 from dead_reckoning.core.integrator import Integrator, IntegratorSettings
-from dead_reckoning.core.parameters import Settings, SettingsByPart, parameter
+from dead_reckoning.core.parameters import Settings, Parts, parameter
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
 from dead_reckoning.core.stages import (
     IMU,
@@ -45,9 +45,9 @@ class Pipeline:
     does not come from elsewhere.
     """
 
-    def __init__(self, settings: SettingsByPart) -> None:
-        estimators = settings[PipelineSettings].estimators
-        common = settings[CommonSettings]
+    def __init__(self, parts: Parts) -> None:
+        estimators = parts[PipelineSettings].estimators
+        common = parts[CommonSettings]
         self.gravity: GravityRemoval | None = None
         self.integrator: Integrator | None = None
         self.pedometer: Pedometer | None = None
@@ -55,19 +55,19 @@ class Pipeline:
         self.inputs: tuple[str, ...] = ()
         """Topics that have to come from outside."""
         stages: list[Stage] = []
-        gravity, pedometer = settings[GravitySettings], settings[PedometerSettings]
+        gravity, pedometer = parts[GravitySettings], parts[PedometerSettings]
         counts = 'pedometer' in estimators
         taken = gravity_input(gravity.attitude)
         inputs: list[str] = []
         if 'integrator' in estimators or (counts and pedometer.input == IMU != taken):
-            self.gravity = GravityRemoval(gravity, common, settings[FrameSettings])
+            self.gravity = GravityRemoval(gravity, common, parts[FrameSettings])
             stages.append(gravity_stage(self.gravity))
             inputs.append(taken)
         if 'integrator' in estimators:
-            self.integrator = Integrator(settings[IntegratorSettings], common)
+            self.integrator = Integrator(parts[IntegratorSettings], common)
             stages.append(integrator_stage(self.integrator))
         if counts:
-            self.pedometer = Pedometer(pedometer, settings[pedometer.method_part])
+            self.pedometer = Pedometer(pedometer, parts[pedometer.method_part])
             self.step_odometry = StepOdometry(pedometer, common)
             stages.append(pedometer_stage(self.pedometer, self.step_odometry))
             made = {IMU} if self.gravity is not None and taken != IMU else set()

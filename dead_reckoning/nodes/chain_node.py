@@ -29,6 +29,8 @@ from dead_reckoning.nodes.transforms import transform_sender
 
 SERVICE_PERIOD = 0.05
 DIAGNOSTICS_PERIOD = 1.0
+STEADY = Clock(clock_type=ClockType.STEADY_TIME)
+"""What timers go by that have nothing to do with samples: it runs on when /clock stands."""
 
 
 class ChainNode(Node):
@@ -54,9 +56,8 @@ class ChainNode(Node):
         self.diagnostics = Diagnostics(self, self._all_figures)
         deferred = DeferredServices(self, self.common.service_timeout)
         self._deferred = self._services_offered = deferred
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(SERVICE_PERIOD, deferred.poll, clock=steady)
-        self.create_timer(DIAGNOSTICS_PERIOD, self.diagnostics.publish, clock=steady)
+        self.create_timer(SERVICE_PERIOD, deferred.poll, clock=STEADY)
+        self.create_timer(DIAGNOSTICS_PERIOD, self.diagnostics.publish, clock=STEADY)
 
     @property
     def services(self) -> Iterator[Service]:
@@ -116,6 +117,10 @@ class ChainNode(Node):
     def count_subscribers_of(self, name: str) -> int:
         """Return how many subscribers a topic has, by its name in the design."""
         return self.count_subscribers(self.resolve_topic_name(name))
+
+    def count_publishers_of(self, name: str) -> int:
+        """Return how many publishers a topic has, by its name in the design."""
+        return self.count_publishers(self.resolve_topic_name(name))
 
     def feed(self, name: str, sample: Any) -> None:
         """Take a sample of this node's own source: publish it, and run it through the chain."""
