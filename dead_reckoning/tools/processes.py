@@ -15,7 +15,7 @@ from typing import IO, Any
 from dead_reckoning.core.errors import DeadReckoningError
 
 PATIENCE = 5.0
-"""How long [s] a process may take to end after SIGINT, before it is killed."""
+"""How long [s] a process may take to end after SIGTERM, before it is killed."""
 
 
 def environment() -> dict[str, str]:
@@ -82,6 +82,7 @@ class Nodes:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE if read else sys.stderr,
             text=True,
+            start_new_session=True,  # Ctrl-C comes here alone, which ends them in its own way
         )
         self._processes[module] = process
         return process.stdout if process.stdout is not None else sys.stderr
@@ -97,7 +98,7 @@ class Nodes:
     def __exit__(self, *exception: object) -> None:
         for process in self._processes.values():
             if process.poll() is None:
-                process.send_signal(signal.SIGINT)
+                process.terminate()
         deadline = time.monotonic() + PATIENCE
         for process in self._processes.values():
             try:
