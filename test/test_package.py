@@ -126,6 +126,7 @@ def test_every_executable_is_a_function(setup_arguments):
         'accelerometer_driver',
         'gravity_removal',
         'integrator',
+        'pedometer',
         'pipeline',
         'dead-reckoning',
     }

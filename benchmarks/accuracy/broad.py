@@ -25,9 +25,8 @@ from benchmarks.accuracy.signals import low_pass, root_mean_square, rotations
 from benchmarks.accuracy.trial import START_NS, Trial, load
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.chain import FAULT
-from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import RecordingError, UnpairedError
-from dead_reckoning.core.gravity import GravitySettings
 from dead_reckoning.core.integrator import Integrator, IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.samples import NANOSECONDS
@@ -109,12 +108,7 @@ def measure(path: Path, output: Path) -> Report:
 def run_chain(trial: Trial) -> Run:
     """Push all samples through gravity removal and integrator."""
     settings = Configuration({'gravity.attitude': 'message', **FREE})
-    pipeline = Pipeline(
-        settings[GravitySettings],
-        settings[IntegratorSettings],
-        settings[CommonSettings],
-        settings[FrameSettings],
-    )
+    pipeline = Pipeline(settings)
     pairs: list[Pair] = []
     index = []
     dropped: Counter[str] = Counter()

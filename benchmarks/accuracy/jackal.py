@@ -18,9 +18,8 @@ from benchmarks.accuracy.drift import FREE, Drift, Pair, Truth, add_drift_table,
 from benchmarks.accuracy.report import Report
 from benchmarks.accuracy.signals import root_mean_square, rotations
 from dead_reckoning.configuration import Configuration
-from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import RecordingError
-from dead_reckoning.core.gravity import GravitySettings
 from dead_reckoning.core.integrator import Integrator, IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import matrix_from_quaternion, rotate_back
@@ -142,12 +141,7 @@ def _in_body(state: NavigationState) -> tuple[float, float, float]:
 def compare_with_direct(report: Report, samples: Sequence[ImuSample], live: Live) -> None:
     """Check that the nodes gave what the same chain gives when it is called."""
     settings = Configuration(PARAMETERS)
-    pipeline = Pipeline(
-        settings[GravitySettings],
-        settings[IntegratorSettings],
-        settings[CommonSettings],
-        settings[FrameSettings],
-    )
+    pipeline = Pipeline(settings)
     direct: dict[str, list[tuple[int, object]]] = {ACCELERATION: [], ODOMETRY: []}
     for imu in samples:
         for name, value in pipeline.chain.push(IMU, imu):

@@ -8,7 +8,7 @@ from dead_reckoning.core.chain import Chain, Stage
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.gravity import GravityRemoval, GravitySettings
 from dead_reckoning.core.integrator import Integrator, IntegratorSettings
-from dead_reckoning.core.parameters import Settings, Parts, parameter
+from dead_reckoning.core.parameters import Parts, Settings, parameter
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
 from dead_reckoning.core.stages import (
     IMU,

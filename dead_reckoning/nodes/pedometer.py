@@ -1,16 +1,103 @@
-"""Executable `pedometer`; its node is in the module of the same name with `_node`."""
+"""Node `pedometer`: steps, how long they are, and where they lead."""
 
 from __future__ import annotations
 
-import sys
+from rclpy.parameter import Parameter as RosParameter
 
-from dead_reckoning.nodes.run import run
+from dead_reckoning.configuration import PEDOMETER
+from dead_reckoning.core.chain import Chain
+from dead_reckoning.core.errors import SettingsError
+from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
+from dead_reckoning.core.stages import (
+    PEDOMETER_OUTPUTS,
+    TOTALS,
+    pedometer_inputs,
+    pedometer_stage,
+)
+from dead_reckoning.core.step_odometry import StepOdometry
+from dead_reckoning.nodes import parameters
+from dead_reckoning.nodes.chain_node import ChainNode
 
 
-def main() -> int:
-    """Run the node."""
-    return run('dead_reckoning.nodes.pedometer_node')
+class PedometerNode(ChainNode):
+    """Take an Imu and `compass/data`, publish the totals on change and `pedometer/odom`."""
+
+    def __init__(self) -> None:
+        super().__init__('pedometer', PEDOMETER)
+        settings = self.configuration[PedometerSettings]
+        pedometer = Pedometer(settings, self.configuration[settings.method_part])
+        odometry = StepOdometry(settings, self.common)
+        self.connect(
+            Chain([pedometer_stage(pedometer, odometry)]),
+            inputs=pedometer_inputs(settings),
+            outputs=PEDOMETER_OUTPUTS,
+        )
+        serve(self, pedometer, odometry, calibrate='calibrate')
 
 
-if __name__ == '__main__':
-    sys.exit(main())
+def serve(
+    node: ChainNode, pedometer: Pedometer, odometry: StepOdometry, *, calibrate: str
+) -> None:
+    """Give a node the services, figures and changeable parameters of a pedometer.
+
+    ``calibrate`` names the service that calibrates the step length.
+    """
+
+    def say(text: str) -> str:
+        node.push(TOTALS, None)
+        return text
+
+    def start() -> str:
+        pedometer.start()
+        odometry.reset()
+        return say('counting from zero')
+
+    def stop() -> str:
+        pedometer.stop()
+        return say('stopped: the totals are held')
+
+    def reset() -> str:
+        pedometer.reset()
+        odometry.reset()
+        return say('steps and distance are zero')
+
+    def calibrate_length(walking: bool) -> str:
+        distance = pedometer.settings.calibration_distance
+        if walking:
+            pedometer.begin_calibration()
+            return f'walk {distance:g} m, then call this with false'
+        found = pedometer.end_calibration()
+        (result,) = node.set_parameters([RosParameter('pedometer.k', value=found.k)])
+        if not result.successful:
+            raise SettingsError(result.reason)
+        return (
+            f'pedometer.k is {found.k:.4f} {pedometer.settings.model.UNIT}: {found.steps} steps '
+            f'over {distance:g} m, {distance / found.steps:.3f} m each'
+        )
+
+    def configure(settings: PedometerSettings) -> None:
+        pedometer.configure(settings)
+        odometry.configure(settings)
+
+    node.offer('start', start)
+    node.offer('stop', stop)
+    node.offer('reset', reset)
+    node.offer_switch(calibrate, calibrate_length)
+    parameters.follow_changes(node, pedometer.settings, configure)
+    method_settings = node.configuration[pedometer.settings.method_part]
+    parameters.follow_changes(node, method_settings, pedometer.configure_method)
+    node.show(lambda: figures(pedometer))
+
+
+def figures(pedometer: Pedometer) -> dict[str, object]:
+    """Return what /diagnostics shows of a pedometer."""
+    return {
+        'steps': pedometer.steps,
+        'distance': f'{pedometer.distance:.2f}',
+        'counting': 'yes' if pedometer.running else 'stopped',
+        'walking': 'yes' if pedometer.walking else 'no',
+        'k': f'{pedometer.settings.k:.4f} {pedometer.settings.model.UNIT}',
+    }
+
+
+NODE = PedometerNode

@@ -1,16 +1,67 @@
-"""Executable `pipeline`; its node is in the module of the same name with `_node`."""
+"""Node `pipeline`: the whole chain in one process."""
 
 from __future__ import annotations
 
-import sys
+from dead_reckoning.configuration import DRIVER, PEDOMETER
+from dead_reckoning.core.gravity import GravitySettings
+from dead_reckoning.core.integrator import IntegratorSettings
+from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
+from dead_reckoning.core.stages import (
+    ACCELERATION,
+    COMPASS,
+    GROUND_TRUTH,
+    IMU,
+    ODOMETRY,
+    PEDOMETER_OUTPUTS,
+    RAW,
+    STATIONARY,
+)
+from dead_reckoning.nodes import gravity_removal, integrator, pedometer
+from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.simulated_driver import SimulatedDriver
 
-from dead_reckoning.nodes.run import run
+
+class PipelineNode(ChainNode):
+    """Go the whole way from an Imu topic, or from a sensor, to the estimators' outputs.
+
+    Nothing but what someone subscribes is published between.
+    """
+
+    def __init__(self) -> None:
+        parts = (PipelineSettings, *DRIVER, GravitySettings, IntegratorSettings, *PEDOMETER)
+        super().__init__('pipeline', parts)
+        from_topic = self.configuration[PipelineSettings].source == 'topic'
+        pipeline = Pipeline(self.configuration)
+        inputs = [name for name in pipeline.inputs if from_topic or name == COMPASS]
+        outputs: list[str] = []
+        between: list[str] = []
+        if pipeline.gravity is not None:
+            between.append(ACCELERATION)
+            if IMU not in pipeline.inputs:
+                between.append(IMU)
+        if pipeline.integrator is not None:
+            outputs += [ODOMETRY, STATIONARY]
+        if pipeline.pedometer is not None:
+            outputs += PEDOMETER_OUTPUTS
+        if not from_topic:
+            between += [RAW, GROUND_TRUTH]
+        self.connect(
+            pipeline.chain,
+            inputs=inputs,
+            outputs=(*outputs, *between),
+            on_demand=between,
+        )
+        if not from_topic:
+            self.driver = SimulatedDriver(self, self.configuration)
+        if pipeline.gravity is not None:
+            gravity_removal.serve(self, pipeline.gravity)
+        if pipeline.integrator is not None:
+            integrator.serve(self, pipeline.integrator)
+        if pipeline.pedometer is not None and pipeline.step_odometry is not None:
+            # ~/calibrate is a Trigger here already: the driver's and the integrator's.
+            pedometer.serve(
+                self, pipeline.pedometer, pipeline.step_odometry, calibrate='pedometer/calibrate'
+            )
 
 
-def main() -> int:
-    """Run the node."""
-    return run('dead_reckoning.nodes.pipeline_node')
-
-
-if __name__ == '__main__':
-    sys.exit(main())
+NODE = PipelineNode

@@ -5,10 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.bias_growth import FLOOR, BiasGrowth
-from dead_reckoning.core.common import CommonSettings, FrameSettings
-from dead_reckoning.core.gravity import GravitySettings
-from dead_reckoning.core.integrator import IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import (
@@ -200,12 +198,14 @@ def test_held_axes_are_those_of_the_sensor():
 
 
 def pipeline(integrator, attitude='rest', **common):
-    return Pipeline(
-        GravitySettings(attitude=attitude, measure=False),
-        IntegratorSettings(movement_end='off', **integrator),
-        CommonSettings(**common),
-        FrameSettings(),
-    )
+    values = {
+        'gravity.attitude': attitude,
+        'gravity.measure': False,
+        'integrator.movement_end': 'off',
+    }
+    values.update({f'integrator.{name}': value for name, value in integrator.items()})
+    values.update({f'common.{name}': value for name, value in common.items()})
+    return Pipeline(Configuration(values))
 
 
 def states_of(parts, samples):

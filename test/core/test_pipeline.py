@@ -7,10 +7,7 @@ import pytest
 
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.chain import FAULT
-from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import NotLevelledError
-from dead_reckoning.core.gravity import GravitySettings
-from dead_reckoning.core.integrator import IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.stages import ODOMETRY, RAW
 from dead_reckoning.sources.driver import front_end, simulated_sensor
@@ -32,12 +29,7 @@ def slide(seed, **values):
         }
     )
     source = simulated_sensor(configuration, START_NS)
-    chain = Pipeline(
-        configuration[GravitySettings],
-        configuration[IntegratorSettings],
-        configuration[CommonSettings],
-        configuration[FrameSettings],
-    ).chain
+    chain = Pipeline(configuration).chain
     conversions = source.read(round(5.0 * configuration[DriverSettings].sample_rate))
     samples = front_end(configuration).add(conversions)
     outputs = [output for sample in samples for output in chain.push(RAW, sample)]

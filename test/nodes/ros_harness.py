@@ -33,7 +33,7 @@ DEADLINE = 30.0
 ROOT = str(Path(dead_reckoning.__file__).parents[1])
 """Where the package under test is imported from; its nodes shall come from there too."""
 
-NODES = ('accelerometer_driver', 'gravity_removal', 'integrator', 'pipeline')
+NODES = ('accelerometer_driver', 'gravity_removal', 'integrator', 'pedometer', 'pipeline')
 EXECUTORS = ('events', 'single')
 
 DEEP = 5000
@@ -81,7 +81,7 @@ class NodeProcess:
         if parameters:
             file = folder / 'parameters.yaml'
             file.write_text(yaml.safe_dump({'/**': {'ros__parameters': dict(parameters)}}))
-        command = [sys.executable, '-m', f'dead_reckoning.nodes.{name}', '--ros-args']
+        command = [sys.executable, '-m', 'dead_reckoning.nodes', name, '--ros-args']
         if file is not None:
             command += ['--params-file', str(file)]
         environment = {

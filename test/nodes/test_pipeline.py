@@ -10,9 +10,7 @@ from ros_harness import DEEP, RELIABLE, lossless
 from sensor_msgs.msg import Imu
 
 from dead_reckoning.configuration import Configuration
-from dead_reckoning.core.common import CommonSettings, FrameSettings
-from dead_reckoning.core.gravity import GravitySettings
-from dead_reckoning.core.integrator import IntegratorSettings
+from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import matrix_from_quaternion, normalized
 from dead_reckoning.core.stages import gravity_input
@@ -88,12 +86,7 @@ def test_pipeline_over_dds_equals_the_chain_called_directly(ros, attitude, execu
         },
     )
     configuration = Configuration(settings)
-    direct = Pipeline(
-        configuration[GravitySettings],
-        configuration[IntegratorSettings],
-        configuration[CommonSettings],
-        configuration[FrameSettings],
-    ).chain
+    direct = Pipeline(configuration).chain
     assert gravity_input(attitude) == taken
     spoken = topics.topics(configuration[FrameSettings])
     recordings = {

@@ -49,12 +49,11 @@ class StepDetector(Protocol):
     RATE: ClassVar[int]
     """Samples per second it wants [Hz]."""
 
+    walking: bool
+    """Whether a walk goes on."""
+
     def __init__(self, settings: Any, window: StepWindow) -> None:
         """Build it from its settings and the window."""
-
-    @property
-    def walking(self) -> bool:
-        """Whether a walk goes on."""
 
     def configure(self, settings: Any) -> None:
         """Take over changed settings without touching the walk."""
