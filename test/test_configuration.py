@@ -27,6 +27,8 @@ WITHOUT_UNIT = {
     'driver.simulated.nonlinearity',
     'driver.simulated.sensitivity_error',
     'driver.simulated.supply_error',
+    'pedometer.length_deviation',
+    'pedometer.step_deviation',
 }
 """Real numbers that are ratios."""
 

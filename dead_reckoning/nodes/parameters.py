@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, get_origin
 
 from rcl_interfaces.msg import (
@@ -48,26 +48,34 @@ def declare(node: Node, parts: Iterable[type[Settings]]) -> Configuration:
                 descriptor(parameter),
                 ignore_override=True,  # the value is the user's already, and checked
             )
+    _widen_integers(node, {p.key for part in parts for p in part.parameters() if p.type is float})
     return configuration
+
+
+def _widen_integers(node: Node, doubles: Collection[str]) -> None:
+    """Take an integer where a double is meant, also in what is set later.
+
+    Once per node: rclpy puts what several such callbacks return one after the other.
+    """
+
+    def widen(changes: list[RosParameter]) -> list[RosParameter]:
+        return [
+            RosParameter(change.name, value=float(change.value))
+            if change.name in doubles and type(change.value) is int
+            else change
+            for change in changes
+        ]
+
+    node.add_pre_set_parameters_callback(widen)
 
 
 def follow_changes(node: Node, settings: Settings, apply: Callable[[Any], None]) -> None:
     """Hand changed settings to ``apply`` whenever the user sets mutable parameters of their part.
 
-    A set of changes is taken whole or not at all; an integer is taken where a double is meant.
+    A set of changes is taken whole or not at all.
     """
     current = settings
-    by_key = {p.key: p for p in settings.parameters()}
-
-    def widen(changes: list[RosParameter]) -> list[RosParameter]:
-        return [
-            RosParameter(change.name, value=float(change.value))
-            if change.name in by_key
-            and by_key[change.name].type is float
-            and type(change.value) is int
-            else change
-            for change in changes
-        ]
+    keys = {p.key for p in settings.parameters()}
 
     def check(changes: list[RosParameter]) -> SetParametersResult:
         try:
@@ -78,11 +86,10 @@ def follow_changes(node: Node, settings: Settings, apply: Callable[[Any], None])
 
     def take(changes: list[RosParameter]) -> None:
         nonlocal current
-        if any(change.name in by_key for change in changes):
+        if any(change.name in keys for change in changes):
             current = current.changed({change.name: change.value for change in changes})
             apply(current)
 
-    node.add_pre_set_parameters_callback(widen)
     node.add_on_set_parameters_callback(check)
     node.add_post_set_parameters_callback(take)
 

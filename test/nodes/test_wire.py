@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Imu
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, Float64, UInt32
 
 from dead_reckoning.core.errors import WireError
 from dead_reckoning.core.rotation import matrix_from_quaternion, rotate_back
@@ -210,6 +210,16 @@ def test_bool_is_written_as_rclpy_does(value):
     assert len(data) == len(expected)
     assert data[:5] == expected[:5]  # the rest is padding
     assert deserialize_message(data, Bool).data is value
+
+
+@given(value=st.integers(0, 2**32 - 1))
+def test_uint32_is_written_as_rclpy_does(value):
+    assert wire.encode_uint32(value) == serialize_message(UInt32(data=value))
+
+
+@given(value=st.floats(allow_nan=False))
+def test_float64_is_written_as_rclpy_does(value):
+    assert wire.encode_float64(value) == serialize_message(Float64(data=value))
 
 
 @pytest.mark.parametrize('letter', ['f', 'é', '界', '🛰'])

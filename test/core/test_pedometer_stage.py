@@ -1,0 +1,239 @@
+"""What a pedometer takes and gives in a chain, alone and beside the integrator."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from dead_reckoning.configuration import Configuration
+from dead_reckoning.core.chain import FAULT, Chain
+from dead_reckoning.core.common import CommonSettings
+from dead_reckoning.core.errors import GapError, NotFiniteError, RepeatedStampError, RestartError
+from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
+from dead_reckoning.core.pipeline import Pipeline
+from dead_reckoning.core.rest import GRAVITY
+from dead_reckoning.core.rotation import quaternion_from_euler, yaw_from_quaternion
+from dead_reckoning.core.samples import ImuSample
+from dead_reckoning.core.stages import (
+    ACCELERATION,
+    CADENCE,
+    COMPASS,
+    DISTANCE,
+    IMU,
+    ODOMETRY,
+    RAW,
+    STEP_LENGTH,
+    STEP_ODOMETRY,
+    STEPS,
+    TOTALS,
+    pedometer_inputs,
+    pedometer_stage,
+)
+from dead_reckoning.core.step_detectors.an900 import An900Settings
+from dead_reckoning.core.step_odometry import StepOdometry
+
+START_NS = 1_700_000_000_000_000_000
+RATE = 100
+
+
+class Walker:
+    """A chain of a pedometer, and what came out of it."""
+
+    def __init__(self, **settings):
+        self.settings = PedometerSettings(**settings)
+        self.pedometer = Pedometer(self.settings, An900Settings())
+        self.odometry = StepOdometry(self.settings, CommonSettings())
+        self.chain = Chain([pedometer_stage(self.pedometer, self.odometry)])
+        self.outputs = []
+
+    def walk(self, imus):
+        for imu in imus:
+            self.outputs += self.chain.push(self.settings.input, imu)
+        return self
+
+    def values(self, name):
+        return [value for given, value in self.outputs if given == name]
+
+
+def walk(steps=12, orientation=None, start_ns=START_NS, cadence=1.8):
+    rest = np.full(3 * RATE, GRAVITY)
+    turn = 2.0 * np.pi * cadence * np.arange(round(RATE * steps / cadence)) / RATE
+    forces = np.concatenate([rest, GRAVITY - 2.5 * np.cos(turn), rest])
+    return [
+        ImuSample(
+            start_ns + number * 1_000_000_000 // RATE,
+            'imu_link',
+            (0.0, 0.0, float(force)),
+            orientation=orientation,
+        )
+        for number, force in enumerate(forces)
+    ]
+
+
+def east(stamp_ns, yaw=0.0):
+    orientation = quaternion_from_euler(0.0, 0.0, yaw)
+    return ImuSample(stamp_ns, 'compass', (0.0,) * 3, (-1.0, *(0.0,) * 8), orientation=orientation)
+
+
+def test_first_sample_says_that_nothing_was_walked_yet():
+    walker = Walker()
+    assert walker.chain.push(RAW, walk()[0]) == [
+        (STEPS, 0),
+        (DISTANCE, 0.0),
+        (STEP_LENGTH, 0.0),
+        (CADENCE, 0.0),
+    ]
+    assert walker.chain.push(RAW, walk()[1]) == []
+
+
+def test_totals_are_said_step_by_step_and_only_on_change():
+    walker = Walker().walk(walk())
+    assert walker.values(STEPS) == list(range(13))
+    distances = walker.values(DISTANCE)
+    assert distances == sorted(set(distances))
+    for name in (STEP_LENGTH, CADENCE):
+        assert all(a != b for a, b in pairwise(walker.values(name)))
+    assert walker.values(CADENCE)[-1] == 0.0
+    assert walker.values(FAULT) == walker.values(STEP_ODOMETRY) == []
+
+
+def test_types_are_those_of_the_messages():
+    walker = Walker().walk(walk())
+    assert {type(value) for value in walker.values(STEPS)} == {int}
+    for name in (DISTANCE, STEP_LENGTH, CADENCE):
+        assert {type(value) for value in walker.values(name)} == {float}
+
+
+def test_steps_lead_along_the_orientation():
+    walker = Walker(input=IMU).walk(walk(orientation=quaternion_from_euler(0.0, 0.1, 0.7)))
+    states = walker.values(STEP_ODOMETRY)
+    assert len(states) == 12
+    x, y, z = states[-1].position
+    assert math.hypot(x, y) == pytest.approx(walker.pedometer.distance)
+    assert math.atan2(y, x) == pytest.approx(0.7)
+    assert z == 0.0
+    assert [s.stamp_ns for s in states] == sorted({s.stamp_ns for s in states})
+
+
+def test_steps_lead_along_the_compass():
+    walker = Walker()
+    for number, imu in enumerate(walk()):
+        if number % 5 == 0:
+            assert not list(walker.chain.push(COMPASS, east(imu.stamp_ns, -2.0)))
+        walker.walk([imu])
+    states = walker.values(STEP_ODOMETRY)
+    assert len(states) == 12
+    assert {round(yaw_from_quaternion(s.attitude), 6) for s in states} == {-2.0}
+
+
+@pytest.mark.parametrize(
+    ('settings', 'inputs'),
+    [
+        ({}, (RAW, COMPASS)),
+        ({'input': IMU}, (IMU, COMPASS)),
+        ({'input': IMU, 'heading': 'orientation'}, (IMU,)),
+        ({'heading': 'none'}, (RAW,)),
+    ],
+)
+def test_inputs_are_those_it_needs(settings, inputs):
+    assert pedometer_inputs(PedometerSettings(**settings)) == inputs
+
+
+def test_other_topic_is_not_counted():
+    walker = Walker(input=IMU)
+    for imu in walk():
+        assert walker.chain.push(RAW, imu) == []
+
+
+def test_refused_sample_is_a_fault_and_the_walk_goes_on():
+    imus = walk(orientation=quaternion_from_euler(0.0, 0.0, 0.0))
+    nan = math.nan
+    bad = ImuSample(imus[500].stamp_ns + 1, 'imu_link', (nan, 0.0, 0.0))
+    twisted = ImuSample(
+        imus[600].stamp_ns + 40_000_000, 'imu_link', (0.0, 0.0, 9.8), orientation=(nan, 0, 0, 1.0)
+    )
+    stream = [*imus[:501], bad, *imus[501:601], twisted, imus[600], *imus[601:]]
+    walker = Walker(input=IMU).walk(stream)
+    kinds = [type(fault) for fault in walker.values(FAULT)]
+    assert kinds == [NotFiniteError, NotFiniteError, RepeatedStampError, RepeatedStampError]
+    assert walker.values(STEPS)[-1] == 12
+
+
+def test_gap_and_restart_are_said_once():
+    imus = walk()
+    walker = Walker().walk([*imus[:400], *imus[560:], *imus])
+    assert [type(fault) for fault in walker.values(FAULT)] == [GapError, RestartError]
+    assert 'no step is counted over' in str(walker.values(FAULT)[0])
+
+
+def test_changes_by_service_come_out_when_asked_for():
+    walker = Walker().walk(walk())
+    assert walker.chain.push(TOTALS, None) == []
+    walker.pedometer.reset()
+    assert walker.chain.push(TOTALS, None) == [(STEPS, 0), (DISTANCE, 0.0), (STEP_LENGTH, 0.0)]
+
+
+# In a pipeline --------------------------------------------------------------------------------
+
+
+def pipeline(*estimators, **values):
+    return Pipeline(
+        Configuration(
+            {
+                'pipeline.estimators': list(estimators),
+                **{key.replace('__', '.'): value for key, value in values.items()},
+            }
+        )
+    )
+
+
+@pytest.mark.parametrize(
+    ('estimators', 'values', 'inputs'),
+    [
+        (['integrator'], {}, {RAW}),
+        (['integrator'], {'gravity__attitude': 'message'}, {IMU}),
+        (['pedometer'], {}, {RAW, COMPASS}),
+        (['pedometer'], {'pedometer__input': IMU}, {RAW, COMPASS}),
+        (
+            ['pedometer'],
+            {'pedometer__input': IMU, 'gravity__attitude': 'message'},
+            {IMU, COMPASS},
+        ),
+        (['integrator', 'pedometer'], {}, {RAW, COMPASS}),
+        (['integrator', 'pedometer'], {'pedometer__heading': 'none'}, {RAW}),
+        (['integrator', 'pedometer'], {'pedometer__input': IMU}, {RAW, COMPASS}),
+        (['integrator', 'pedometer'], {'gravity__attitude': 'message'}, {IMU, RAW, COMPASS}),
+    ],
+)
+def test_pipeline_needs_from_outside_what_it_does_not_make(estimators, values, inputs):
+    needed = pipeline(*estimators, **values).inputs
+    assert set(needed) - {COMPASS} == inputs - {COMPASS}
+    assert len(set(needed)) == len(needed)
+    assert COMPASS in needed or COMPASS not in inputs
+
+
+def test_pipeline_holds_what_was_asked_for():
+    both = pipeline('integrator', 'pedometer')
+    assert None not in (both.gravity, both.integrator, both.pedometer, both.step_odometry)
+    one = pipeline('pedometer')
+    assert one.pedometer is not None
+    assert one.gravity is one.integrator is None
+    other = pipeline('integrator')
+    assert other.pedometer is other.step_odometry is None
+
+
+def test_integrator_and_pedometer_share_a_chain():
+    chain = pipeline('integrator', 'pedometer', pedometer__input=IMU).chain
+    outputs = [output for imu in walk() for output in chain.push(RAW, imu)]
+    names = [name for name, _ in outputs]
+    assert [value for name, value in outputs if name == STEPS][-1] == 12
+    assert names.count(ODOMETRY) == names.count(IMU) == names.count(ACCELERATION) > 800
+    assert names.count(STEP_ODOMETRY) == 12, 'along the attitude that gravity removal found'
+
+
+def test_pedometer_in_a_pipeline_gives_the_same_numbers_as_alone():
+    chain = pipeline('integrator', 'pedometer').chain
+    wanted = (STEPS, DISTANCE, STEP_LENGTH, CADENCE)
+    together = [output for imu in walk() for output in chain.push(RAW, imu) if output[0] in wanted]
+    assert together == Walker().walk(walk()).outputs
