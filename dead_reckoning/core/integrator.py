@@ -132,7 +132,8 @@ class Integrator:
 
     The first sample only sets the start.  A stale stamp is refused.  One that goes back by more
     than 1 s starts all over.  Over a gap nothing is integrated and the covariance grows.  A
-    clipped sample shows in the covariance its driver gives it.
+    clipped sample shows in the covariance its driver gives it.  While the movement-end check holds
+    the body for resting, position stays as it is, and so does its covariance.
     """
 
     def __init__(self, settings: IntegratorSettings, common: CommonSettings):
@@ -162,6 +163,7 @@ class Integrator:
         self._velocity: Vector = ZERO
         self._acceleration: Vector = ZERO
         self._quiet = [0, 0, 0]
+        self._stationary = False
         self._growth.reset()
 
     @property
@@ -215,7 +217,7 @@ class Integrator:
             dt = step_ns / NANOSECONDS
             if dt > self.settings.max_gap:
                 self._pass_gap(dt)
-            else:
+            elif not (self._stationary and self._is_held()):
                 noise = imu.specific_force_covariance
                 if noise == UNKNOWN or noise[0] < 0.0:  # unknown, or another device measured it
                     noise = self._noise_fallback
@@ -228,7 +230,7 @@ class Integrator:
                 )
                 self._integrate(dt, kept_w)
         self._acceleration = kept_w
-        stationary = self._check_movement_end(rot_ws)
+        stationary = self._stationary = self._check_movement_end(rot_ws)
         position_covariance, velocity_covariance = self._growth.covariances(
             self.settings.stationary_deviation**2 if stationary else 0.0
         )
@@ -284,10 +286,17 @@ class Integrator:
         speed = sqrt(sum(v * v for v in self._velocity))
         self._growth.gap(dt, speed, self.settings.gap_acceleration)
 
-    def _check_movement_end(self, rot_ws: Matrix) -> bool:
+    def _still(self) -> list[bool]:
         settings = self.settings
         needed = settings.movement_end_samples
-        still = [self._quiet[AXES.index(axis)] >= needed for axis in settings.axes]
+        return [self._quiet[AXES.index(axis)] >= needed for axis in settings.axes]
+
+    def _is_held(self) -> bool:
+        return self.settings.movement_end != 'off' and all(self._still())
+
+    def _check_movement_end(self, rot_ws: Matrix) -> bool:
+        settings = self.settings
+        still = self._still()
         if settings.movement_end == 'off' or not any(still):
             return False
         if all(still):

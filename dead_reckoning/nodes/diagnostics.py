@@ -9,12 +9,7 @@ from collections.abc import Callable, Mapping
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from dead_reckoning.core.errors import (
-    DeadReckoningError,
-    MountingError,
-    NotLevelledError,
-    SampleError,
-)
+from dead_reckoning.core.errors import DeadReckoningError, NotLevelledError
 
 REPEAT = 30.0
 """A fault that goes on is logged again after this time [s], with how often it came."""
@@ -56,7 +51,7 @@ class Diagnostics:
         more = self._faults[kind] - count - 1
         text = f'{error} ({more} more of these)' if count and more else str(error)
         log = self._node.get_logger()
-        if isinstance(error, (SampleError, MountingError)):
+        if error.severity == 'warning':
             log.warning(text)
         else:
             log.error(text)
@@ -77,7 +72,6 @@ class Diagnostics:
     def _level(self) -> tuple[bytes, str]:
         if not self._recent:
             return DiagnosticStatus.OK, 'running' if self.samples else 'waiting for samples'
-        warnings = (SampleError, MountingError)
-        worst = sorted(self._recent.values(), key=lambda e: isinstance(e, warnings))[0]
-        level = DiagnosticStatus.WARN if isinstance(worst, warnings) else DiagnosticStatus.ERROR
-        return level, str(worst)
+        worst = min(self._recent.values(), key=lambda error: error.severity)  # errors first
+        warning = worst.severity == 'warning'
+        return DiagnosticStatus.WARN if warning else DiagnosticStatus.ERROR, str(worst)

@@ -73,6 +73,7 @@ class Nodes:
         Values of parameters are written as ROS takes them on a command line.
         """
         command = [sys.executable, '-m', f'dead_reckoning.nodes.{module}', '--ros-args']
+        command += ['--log-level', 'warn']  # the demo itself says what is well
         for key, value in parameters.items():
             command += ['-p', f'{key}:={_argument(value)}']
         process = subprocess.Popen(
