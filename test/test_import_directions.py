@@ -22,7 +22,7 @@ OUTSIDE_WORLD = {
     *('os', 'io', 'pathlib', 'shutil', 'tempfile', 'glob', 'fileinput', 'mmap', 'sys'),
     *('pickle', 'shelve', 'dbm', 'sqlite3', 'csv', 'json', 'configparser', 'tomllib', 'zipfile'),
     *('socket', 'ssl', 'http', 'urllib', 'select', 'selectors', 'subprocess', 'signal', 'random'),
-    *('asyncio', 'threading', 'multiprocessing', 'ctypes', 'platform', 'importlib', 'pkgutil'),
+    *('asyncio', 'threading', 'multiprocessing', 'ctypes', 'platform'),
 }
 """Of the standard library, what core must not see: clocks, logs, files, the system, chance."""
 
@@ -54,8 +54,9 @@ ALLOWED_ROOMS = {
     'core': {'core'},
     'sources': {'core', 'sources'},
     'configuration': {'core', 'sources'},
-    'nodes': {'core', 'sources', 'configuration', 'nodes'},
-    'tools': {'core', 'sources', 'configuration', 'tools'},
+    'tables': {'core'},
+    'nodes': {'core', 'sources', 'configuration', 'tables', 'nodes'},
+    'tools': {'core', 'sources', 'configuration', 'tables', 'tools'},
 }
 
 
@@ -70,6 +71,7 @@ def may_import(room: str, top: str) -> bool:
         'core': top in NUMERIC | {'numba'},
         'sources': top in NUMERIC | ONE_MODULE_EACH - {'numba'},
         'configuration': top == 'yaml',
+        'tables': False,
         'nodes': top in NUMERIC,
         'tools': top not in ONE_MODULE_EACH,
     }[room]
