@@ -12,8 +12,9 @@ from pathlib import Path
 from dead_reckoning.core.errors import RecordingError
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import GROUND_TRUTH
-from dead_reckoning.tools.demo.cases import CASES, Case, Row, compare
+from dead_reckoning.tools.demo.cases import CASES, Case
 from dead_reckoning.tools.demo.recording import Recording, parse
+from dead_reckoning.tools.demo.views import Row
 from dead_reckoning.tools.processes import Interruption, Nodes, environment, interruptible
 
 START_DEADLINE = 30.0
@@ -36,15 +37,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(arguments: argparse.Namespace) -> int:
     """Run the demo; return the exit status."""
     from dead_reckoning.tools.demo.page import Result, write
-    from dead_reckoning.tools.demo.plots import draw
 
     arguments.output.mkdir(parents=True, exist_ok=True)
     results = []
     for case in CASES:
         recording = run(case)
-        rows = compare(case, recording)
+        rows = case.view.rows(recording)
         print(f'\n{case.title}\n{table(rows)}\n', flush=True)
-        results.append(Result(case, recording, rows, draw(case, recording, arguments.output)))
+        pictures = case.view.draw(case.name, recording, arguments.output)
+        results.append(Result(case, recording, rows, pictures))
     page = arguments.output / 'index.html'
     write(page, results)
     for result in results:
@@ -65,18 +66,14 @@ def run(case: Case) -> Recording:
     with interruptible() as interruption, Nodes(surroundings) as nodes:
         output = nodes.start('recorder', {}, read=True)
         for module in CHAIN:
-            nodes.start(module, case.parameters)
+            nodes.start(module, case.all_parameters)
         recording = parse(_collect(case, nodes, output.fileno(), interruption))
-    if recording.estimate.time[0] > 0.5 * _motion_start(case):
+    if recording.estimate.time[0] > 0.5 * case.start:
         raise RecordingError(
             f'the estimate begins {recording.estimate.time[0]:.1f} s after the start, too close '
             'to the motion: the machine is too busy, run the demo again'
         )
     return recording
-
-
-def _motion_start(case: Case) -> float:
-    return float(case.parameters[f'driver.{case.parameters["driver.motion"]}.start'])
 
 
 def _collect(case: Case, nodes: Nodes, descriptor: int, interruption: Interruption) -> list[str]:
