@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.accuracy.report import Report
-from dead_reckoning.core.integrator import Integrator, IntegratorSettings
+from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.samples import NANOSECONDS, ImuSample, LinearAcceleration
 
 Array = NDArray[np.float64]
@@ -33,11 +33,6 @@ FREE = {
     'integrator.movement_end': 'off',
 }
 """Free integration: nothing is held for zero, nothing ends a movement; all else is default."""
-
-
-def free_integration() -> IntegratorSettings:
-    """Return the integrator's settings for free integration."""
-    return IntegratorSettings.from_values(FREE)
 
 
 @dataclass(frozen=True)

@@ -116,7 +116,13 @@ def _run_player(path: Path, topic: str, watch: Watch) -> int:
     """Let a process play the recording; return how many messages it published."""
     command = [sys.executable, '-m', 'benchmarks.accuracy.player', str(path.resolve())]
     command += ['--topic', topic, '--speed', str(SPEED), '--subscribers', '2']
-    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as player:
+    with subprocess.Popen(
+        command,
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # Ctrl-C is for this process, which ends the player
+    ) as player:
         try:
             while player.poll() is None:
                 watch.turn()

@@ -46,7 +46,7 @@ def draw_drift(
         median = [float(np.median(drift.distance)) for drift in runs]
         most = [float(np.percentile(drift.distance, 95)) for drift in runs]
         axes.fill_between(time, median, most, color=colour, alpha=0.15, linewidth=0.0)
-        axes.plot(time, median, color=colour, label=f'median to 95 %: {name}')
+        axes.plot(time, median, color=colour, label=name)
     last = list(measured.values())[-1]
     sigma = [float(np.median(np.linalg.norm(drift.deviation, axis=1))) for drift in last]
     time = [drift.horizon for drift in last]
@@ -59,8 +59,8 @@ def draw_drift(
     axes.minorticks_off()
     axes.yaxis.set_major_formatter('{x:g}')
     axes.set_xlabel('time after the start [s]')
-    axes.set_ylabel('drift of the position [m]')
-    axes.legend(loc='upper left')
+    axes.set_ylabel('drift of the position [m], median to 95 %')
+    axes.legend(loc='lower right')
 
 
 def save(figure: Figure, path: Path) -> Path:

@@ -14,16 +14,20 @@ from rosbags.typesys import Stores, get_typestore
 
 from benchmarks.accuracy import broad, jackal
 from benchmarks.accuracy.accounting import GRAVITY, INTEGRATOR, Live, account
-from benchmarks.accuracy.drift import Truth, drifts, every, free_integration
+from benchmarks.accuracy.drift import FREE, Truth, drifts, every
 from benchmarks.accuracy.report import Report, table
 from benchmarks.accuracy.signals import derivative, low_pass, second_derivative
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import RecordingError
-from dead_reckoning.core.integrator import Integrator
+from dead_reckoning.core.integrator import Integrator, IntegratorSettings
 from dead_reckoning.core.samples import IDENTITY_QUATERNION, ImuSample, LinearAcceleration
 
 ROOT = Path(__file__).parents[2]
 GRAVITY_W = np.array([0.0, 0.0, 9.81])
+
+
+def free_integrator():
+    return Integrator(IntegratorSettings.from_values(FREE), CommonSettings())
 
 
 def yaw_quaternions(yaw):
@@ -260,7 +264,7 @@ def test_a_constant_error_drifts_by_half_its_square():
     )
     starts = every(1.0, pairs, 0, 1499)
     assert starts == [0, 100, 200, 300, 400]
-    measured = drifts(pairs, truth, starts, Integrator(free_integration(), CommonSettings()))
+    measured = drifts(pairs, truth, starts, free_integrator())
     assert [drift.horizon for drift in measured] == [0.5 * k for k in range(1, 21)]
     for drift in measured:
         expected = np.tile((0.0, 0.5 * error * drift.horizon**2, 0.0), (5, 1))
@@ -283,7 +287,7 @@ def test_what_is_not_known_is_left_out():
         pairs,
         Truth(position, velocity),
         [0, 100, 250],
-        Integrator(free_integration(), CommonSettings()),
+        free_integrator(),
     )
     count = {drift.horizon: len(drift.error) for drift in measured}
     assert count[1.0] == count[10.0] == 2

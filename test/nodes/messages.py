@@ -43,17 +43,19 @@ def acceleration_message(stamp_ns, acceleration):
 
 
 class Feed:
-    """Publishes samples of a steady rate, and counts their stamps on."""
+    """Publishes samples whose stamps go on at a steady rate, as fast as they are taken."""
+
+    PATIENCE = 0.002
 
     def __init__(self, ros, publish, rate=200.0, start_ns=START_NS):
         self._ros = ros
         self._publish = publish
-        self._step_ns = round(NANOSECONDS / rate)
+        self.step_ns = round(NANOSECONDS / rate)
         self.stamp_ns = start_ns
 
     def send(self, *values):
         """Publish one sample."""
-        self.stamp_ns += self._step_ns
+        self.stamp_ns += self.step_ns
         self._publish(self.stamp_ns, *values)
 
     def send_until(self, condition, what, *values):
@@ -63,4 +65,4 @@ class Feed:
             self.send(*values)
             return condition()
 
-        return self._ros.until(sent, what)
+        return self._ros.until(sent, what, self.PATIENCE)
