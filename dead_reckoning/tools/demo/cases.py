@@ -81,7 +81,7 @@ CASES = (
         name='lift',
         title='Three metres up in a lift',
         words='Along the vertical the error of gravity itself counts: it is measured at rest '
-        'before the ride. Two seconds of constant speed look like rest to an accelerometer, so the '
+        'before the ride. Constant speed looks like rest to an accelerometer, so the '
         'movement-end check has to be off; nothing returns the velocity to zero then.',
         parameters={
             'driver.motion': 'lift',
