@@ -27,6 +27,7 @@ WITHOUT_UNIT = {
     'driver.simulated.nonlinearity',
     'driver.simulated.sensitivity_error',
     'driver.simulated.supply_error',
+    'driver.walk.asymmetry',
 }
 """Real numbers that are ratios."""
 
