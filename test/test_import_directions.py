@@ -22,7 +22,7 @@ OUTSIDE_WORLD = {
     *('os', 'io', 'pathlib', 'shutil', 'tempfile', 'glob', 'fileinput', 'mmap', 'sys'),
     *('pickle', 'shelve', 'dbm', 'sqlite3', 'csv', 'json', 'configparser', 'tomllib', 'zipfile'),
     *('socket', 'ssl', 'http', 'urllib', 'select', 'selectors', 'subprocess', 'signal', 'random'),
-    *('asyncio', 'threading', 'multiprocessing', 'ctypes', 'platform'),
+    *('asyncio', 'threading', 'multiprocessing', 'ctypes', 'platform', 'importlib', 'pkgutil'),
 }
 """Of the standard library, what core must not see: clocks, logs, files, the system, chance."""
 
