@@ -9,7 +9,7 @@ import sys
 import time
 from pathlib import Path
 
-from dead_reckoning.core.errors import RecordingError
+from dead_reckoning.core.errors import RecordingError, SettingsError
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import GROUND_TRUTH
 from dead_reckoning.tools.demo.cases import CASES, Case
@@ -36,6 +36,12 @@ DRIVER = 'accelerometer_driver'
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what the command takes."""
     parser.add_argument(
+        'case',
+        nargs='*',
+        metavar='CASE',
+        help='what to show; all if none is named: ' + ', '.join(case.name for case in CASES),
+    )
+    parser.add_argument(
         '--output', type=Path, default=Path('out/demo'), help='folder for pictures and page'
     )
 
@@ -46,7 +52,7 @@ def main(arguments: argparse.Namespace) -> int:
 
     arguments.output.mkdir(parents=True, exist_ok=True)
     results = []
-    for case in CASES:
+    for case in _chosen(arguments.case):
         recording = run(case)
         rows = case.view.rows(recording)
         print(f'\n{case.title}\n{table(rows)}\n', flush=True)
@@ -59,6 +65,14 @@ def main(arguments: argparse.Namespace) -> int:
             print(f'picture  {picture}')
     print(f'page     {page}')
     return 0
+
+
+def _chosen(names: list[str]) -> list[Case]:
+    by_name = {case.name: case for case in CASES}
+    for name in names:
+        if name not in by_name:
+            raise SettingsError(f'no case {name!r}; there are {", ".join(by_name)}')
+    return [by_name[name] for name in names] or list(CASES)
 
 
 def run(case: Case) -> Recording:
