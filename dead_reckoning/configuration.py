@@ -22,6 +22,7 @@ from dead_reckoning.core.pipeline import PipelineSettings
 from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
 from dead_reckoning.sources.simulated import SimulatedSettings
+from dead_reckoning.sources.simulated_gyroscope import GyroSettings
 
 SettingsType = TypeVar('SettingsType', bound=Settings)
 
@@ -31,6 +32,7 @@ COMMON = (CommonSettings, FrameSettings)
 DRIVER = (
     DriverSettings,
     SimulatedSettings,
+    GyroSettings,
     *(motions.motion_class(name).Settings for name in motions.names()),
 )
 """Parts of the accelerometer driver."""

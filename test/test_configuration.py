@@ -20,7 +20,15 @@ from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
 
 DECLARED = [pytest.param(part, d, id=d.key) for part in PARTS for d in part.parameters()]
-WITHOUT_UNIT = {'driver.simulated.sensitivity_error'}
+WITHOUT_UNIT = {
+    'driver.gait.stance',
+    'driver.gyro.scale_error',
+    'driver.simulated.cross_axis',
+    'driver.simulated.nonlinearity',
+    'driver.simulated.sensitivity_error',
+    'driver.simulated.supply_error',
+    'driver.walk.asymmetry',
+}
 """Real numbers that are ratios."""
 
 

@@ -1,4 +1,4 @@
-"""An analogue accelerometer behind an ADC: specific force to counts, and back."""
+"""An accelerometer as its circuit and its settings make it: specific force to counts, and back."""
 
 from __future__ import annotations
 
@@ -14,19 +14,21 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class AnalogAccelerometer:
-    """What a data sheet and a circuit say of a three-axis accelerometer and its ADC.
+class Accelerometer:
+    """A three-axis accelerometer, analogue behind an ADC, or digital.
 
-    ``volts = zero_g + sensitivity · f/g`` along each axis, kept within ``swing``; then
-    ``counts = round(volts / reference · 2^bits)``, kept within 0 … 2^bits − 1.
+    ``output = zero_g + sensitivity · f/g`` along each axis, kept within ``swing``; then
+    ``counts = round(output / unit_per_count)``, kept within ``limits``.  The unit of the output is
+    the volt where an ADC follows, and the count itself where the sensor is digital.
 
     ``range_g``           nominal range ± [g].
-    ``zero_g``            output at zero g, shape (3,) [V].
-    ``sensitivity``       shape (3,) [V/g].
-    ``zero_g_tolerance``  how far ``zero_g`` of a good part may be off [V].
-    ``swing``             lowest and highest output [V].
-    ``noise``             of one conversion, one sigma [V].
-    ``reference``         of the ADC [V]; ``bits`` its resolution.
+    ``zero_g``            output at zero g, shape (3,) [unit].
+    ``sensitivity``       shape (3,) [unit/g].
+    ``zero_g_tolerance``  how far ``zero_g`` of a good part may be off [unit].
+    ``swing``             lowest and highest output [unit].
+    ``noise``             of one conversion, one sigma [unit].
+    ``unit_per_count``    size of one count [unit].
+    ``limits``            lowest and highest count.
     """
 
     range_g: float
@@ -35,47 +37,46 @@ class AnalogAccelerometer:
     zero_g_tolerance: float
     swing: tuple[float, float]
     noise: float
-    reference: float
-    bits: int
-
-    @property
-    def volts_per_count(self) -> float:
-        """Size of one count [V]."""
-        return self.reference / (1 << self.bits)
+    unit_per_count: float
+    limits: tuple[float, float]
 
     @property
     def force_per_count(self) -> Array:
         """Size of one count along each axis, shape (3,) [m/s²]."""
-        return self.volts_per_count / np.array(self.sensitivity) * GRAVITY
+        return self.unit_per_count / np.array(self.sensitivity) * GRAVITY
 
-    def volts(self, force_s: Array) -> Array:
-        """Return the output, shape (n, 3) [V], for a specific force, shape (n, 3) [m/s²], frame s.
+    def output(self, force_s: Array) -> Array:
+        """Return the output, shape (n, 3) [unit], for a force, shape (n, 3) [m/s²], frame s.
 
         The swing is not applied: noise comes before it.
         """
-        volts: Array = np.array(self.zero_g) + np.array(self.sensitivity) * force_s / GRAVITY
-        return volts
+        output: Array = np.array(self.zero_g) + np.array(self.sensitivity) * force_s / GRAVITY
+        return output
 
-    def counts(self, volts: Array, *, quantise: bool = True) -> Array:
+    def counts(self, output: Array, *, quantise: bool = True) -> Array:
         """Clip to the swing and convert, shape (n, 3); ``quantise`` off keeps the fractions."""
-        clipped = np.clip(volts, *self.swing) / self.volts_per_count
+        return self.convert(np.clip(output, *self.swing), quantise=quantise)
+
+    def convert(self, output: Array, *, quantise: bool = True) -> Array:
+        """Do what the ADC does to an output, shape (n, 3) [unit], whatever its swing."""
+        counts = output / self.unit_per_count
         if quantise:
-            clipped = np.floor(clipped + 0.5)
-        counts: Array = np.clip(clipped, 0.0, float((1 << self.bits) - 1))
-        return counts
+            counts = np.floor(counts + 0.5)
+        limited: Array = np.clip(counts, *self.limits)
+        return limited
 
     def force(self, counts: Array, zero_g: Array) -> Array:
         """Return the specific force, shape (n, 3) [m/s²], frame s, of counts, shape (n, 3).
 
-        ``zero_g``, shape (3,) [V], is the output at zero g as calibrated.
+        ``zero_g``, shape (3,) [unit], is the output at zero g as calibrated.
         """
         force: Array = (
-            (counts * self.volts_per_count - zero_g) / np.array(self.sensitivity) * GRAVITY
+            (counts * self.unit_per_count - zero_g) / np.array(self.sensitivity) * GRAVITY
         )
         return force
 
     def clipped(self, counts: Array) -> NDArray[np.bool_]:
-        """Say which counts, shape (n, 3), stand at an end of the swing or of the ADC."""
+        """Say which counts, shape (n, 3), stand at an end of the swing or of the counts."""
         swing = np.array(self.swing)
         rounded, exact = self.counts(swing), self.counts(swing, quantise=False)
         low, high = max(rounded[0], exact[0]), min(rounded[1], exact[1])

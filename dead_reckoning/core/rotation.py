@@ -118,3 +118,23 @@ def isotropic(deviation: float) -> Matrix:
     """Return the covariance, shape (3, 3), of one deviation on every axis."""
     variance = deviation * deviation
     return (variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance)
+
+
+def quaternion_from_matrix(rotation: Matrix) -> Quaternion:
+    """Turn a rotation matrix, shape (3, 3), into its unit quaternion (x, y, z, w), w ≥ 0.
+
+    Of the four ways to do it, that which divides by the largest element is taken (Shepperd 1978,
+    doi:10.2514/3.55767b).
+    """
+    a, b, c, d, e, f, g, h, i = rotation
+    trace = a + e + i
+    if trace >= max(a, e, i):
+        q = (h - f, c - g, d - b, 1.0 + trace)
+    elif a >= max(e, i):
+        q = (1.0 + a - e - i, b + d, c + g, h - f)
+    elif e >= i:
+        q = (b + d, 1.0 - a + e - i, f + h, c - g)
+    else:
+        q = (c + g, f + h, 1.0 - a - e + i, d - b)
+    x, y, z, w = normalized(q)
+    return (x, y, z, w) if w >= 0.0 else (-x, -y, -z, -w)

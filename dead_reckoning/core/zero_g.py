@@ -1,4 +1,4 @@
-"""Find the zero-g offsets of an accelerometer that rests level: AN3397's `Calibrate`, in volts."""
+"""Find the zero-g offsets of an accelerometer that rests level: AN3397's `Calibrate`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from math import asin, degrees
 import numpy as np
 from numpy.typing import NDArray
 
-from dead_reckoning.core.accelerometer import AnalogAccelerometer
+from dead_reckoning.core.accelerometer import Accelerometer
 from dead_reckoning.core.errors import CalibrationError, NotAtRestError
 from dead_reckoning.core.rest import GRAVITY
 
@@ -24,7 +24,7 @@ class ZeroGCalibration:
     keeps its +g.  `finish` refuses a device that moved, and offsets that no good part has.
     """
 
-    def __init__(self, model: AnalogAccelerometer, conversions: int, deviation: float) -> None:
+    def __init__(self, model: Accelerometer, conversions: int, deviation: float) -> None:
         """Expect ``conversions``; ``deviation`` [m/s²] is what one axis may show at rest."""
         self._model = model
         self._wanted = conversions
@@ -43,7 +43,7 @@ class ZeroGCalibration:
         self._taken += len(counts)
 
     def finish(self) -> Array:
-        """Return the outputs at zero g, shape (3,) [V].
+        """Return the outputs at zero g, shape (3,) [unit of the output].
 
         Raises `NotAtRestError` if the device moved: the spread of all conversions is over
         ``deviation``, or the mean of a sixteenth of them is off the whole mean by more than noise
@@ -53,18 +53,18 @@ class ZeroGCalibration:
         counts = np.concatenate(self._counts)
         self._check_rest(counts)
         level = np.array([0.0, 0.0, 1.0]) * np.array(model.sensitivity)
-        zero_g: Array = counts.mean(axis=0) * model.volts_per_count - level
+        zero_g: Array = counts.mean(axis=0) * model.unit_per_count - level
         off = zero_g - np.array(model.zero_g)
         worst = int(np.argmax(np.abs(off)))
         if abs(off[worst]) > model.zero_g_tolerance:
             off_g = off[worst] / model.sensitivity[worst]
+            tolerance_g = model.zero_g_tolerance / model.sensitivity[worst]
             tilt = degrees(asin(min(1.0, abs(off_g))))
             raise CalibrationError(
-                f'the offset of axis {"xyz"[worst]} would be {off[worst]:+.3f} V '
-                f'({off_g:+.3f} g), a good part has up to ±{model.zero_g_tolerance:.3f} V: the '
-                f'device is not level ({tilt:.0f}° would look like this), its z axis does not '
-                'point up, or driver.range_g, driver.supply or driver.adc_reference do not fit '
-                'the circuit'
+                f'the offset of axis {"xyz"[worst]} would be {off_g:+.3f} g, a good part has up '
+                f'to ±{tolerance_g:.3f} g: the device is not level ({tilt:.0f}° would look like '
+                'this), its z axis does not point up, or driver.range_g, driver.supply or '
+                'driver.adc_reference do not fit the circuit'
             )
         return zero_g
 

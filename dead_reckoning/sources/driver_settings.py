@@ -4,49 +4,63 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dead_reckoning.core.accelerometer import AnalogAccelerometer
+from dead_reckoning.core import sensors
+from dead_reckoning.core.accelerometer import Accelerometer
+from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.parameters import Derived, Settings, parameter
-from dead_reckoning.core.sensors import mma7260qt
 from dead_reckoning.sources import motions
 
 
 @dataclass(frozen=True, kw_only=True)
 class DriverSettings(Settings, prefix='driver'):
-    """An MMA7260QT, its supply and its ADC, and how conversions become messages."""
+    """A sensor, its supply and its ADC, and how conversions become messages."""
 
     source: str = parameter('simulated', 'Where samples come from', choices=('simulated',))
     motion: str = parameter('slide', 'What the simulated sensor does', choices=motions.names())
+    sensor: str = parameter('mma7260qt', 'Which sensor it is', choices=sensors.names())
     range_g: float = parameter(
-        1.5, 'Range chosen by the g-select pins, ±', unit='g', choices=tuple(mma7260qt.SENSITIVITY)
-    )
-    supply: float = parameter(
-        mma7260qt.NOMINAL_SUPPLY,
-        'Supply of the sensor, to which its outputs are ratiometric',
-        unit='V',
-        minimum=mma7260qt.SUPPLY[0],
-        maximum=mma7260qt.SUPPLY[1],
-    )
-    adc_reference: float = parameter(
-        3.3, 'Reference of the ADC: the voltage one count above full scale', unit='V',
-        minimum=0.5, maximum=10.0,
+        Derived(lambda driver: min(driver.part.ranges), 'the smallest of the sensor'),
+        'Range of the sensor, ±: 1.5, 2, 4, 6 (mma7260qt, by its g-select pins), 3 (adxl330), 2, '
+        '4, 8, 16 (adxl345)',
+        unit='g', minimum=1.0, maximum=16.0,
     )  # fmt: skip
-    adc_bits: int = parameter(12, 'Resolution of the ADC', choices=(8, 10, 12, 16))
+    supply: float = parameter(
+        Derived(lambda driver: driver.part.supply[0], 'that of the data sheet'),
+        'Supply of the sensor; an analogue one is ratiometric to it',
+        unit='V', minimum=1.8, maximum=3.6,
+    )  # fmt: skip
+    adc_reference: float = parameter(
+        Derived(lambda driver: driver.part.supply[0], 'the supply of the data sheet'),
+        'Reference of the ADC: the voltage one count above full scale; a digital sensor has none',
+        unit='V', minimum=0.5, maximum=10.0,
+    )  # fmt: skip
+    adc_bits: int = parameter(
+        12, 'Resolution of the ADC; a digital sensor has its own', choices=(8, 10, 12, 16)
+    )
     zero_g: tuple[float, float, float] = parameter(
-        Derived(lambda driver: (driver.supply / 2.0,) * 3, 'half the supply'),
+        Derived(
+            lambda driver: (driver.part.zero_g * driver.part.scale(driver.supply),) * 3,
+            'that of the data sheet at the supply: half of it, or 0 counts',
+        ),
         'Output of x, y, z at zero g, before calibration',
-        unit='V', minimum=0.0, maximum=10.0, length=3,
+        unit='V, or counts of a digital sensor', minimum=-65_536.0, maximum=65_536.0, length=3,
     )  # fmt: skip
     sensitivity: tuple[float, float, float] = parameter(
         Derived(
-            lambda driver: (mma7260qt.sensitivity(driver.range_g, driver.supply),) * 3,
+            lambda driver: (
+                driver.part.ranges.get(driver.range_g, 1.0) * driver.part.scale(driver.supply),
+            )
+            * 3,
             'the typical one for the range and the supply',
         ),
         'Sensitivity of x, y, z',
-        unit='V/g', minimum=0.001, maximum=10.0, length=3,
+        unit='V/g, or counts/g of a digital sensor', minimum=0.001, maximum=65_536.0, length=3,
     )  # fmt: skip
     noise: float = parameter(
-        mma7260qt.NOISE, 'Noise of one conversion, one sigma', unit='V', minimum=0.0, maximum=1.0
-    )
+        Derived(lambda driver: driver.part.noise, 'that of the data sheet'),
+        'Noise of one conversion, one sigma',
+        unit='V, or counts of a digital sensor', minimum=0.0, maximum=1000.0,
+    )  # fmt: skip
     sample_rate: float = parameter(
         6400.0, 'Conversions per second of each axis', unit='Hz', minimum=1.0, maximum=100_000.0
     )
@@ -74,15 +88,39 @@ class DriverSettings(Settings, prefix='driver'):
         minimum=0, maximum=100,
     )  # fmt: skip
 
-    def model(self) -> AnalogAccelerometer:
+    @property
+    def part(self) -> sensors.Part:
+        """The data sheet of the sensor."""
+        return sensors.part(self.sensor)
+
+    def validate(self) -> None:
+        """Raise `SettingsError` for a range or a supply that the sensor does not have."""
+        ranges = self.part.ranges
+        if self.range_g not in ranges:
+            raise SettingsError(
+                f'driver.range_g: {self.range_g:g} is not allowed; the {self.sensor} has '
+                + ', '.join(f'{r:g}' for r in ranges)
+                + ' [g]'
+            )
+        _, low, high = self.part.supply
+        if not low <= self.supply <= high:
+            raise SettingsError(
+                f'driver.supply: {self.supply:g} is not allowed; the {self.sensor} takes {low:g} '
+                f'to {high:g} V'
+            )
+
+    def model(self) -> Accelerometer:
         """Return the sensor and its ADC as set."""
-        return AnalogAccelerometer(
+        part = self.part
+        limits = part.limits(self.range_g) if part.digital else (0.0, (1 << self.adc_bits) - 1.0)
+        swing = (part.swing_margin, self.supply - part.swing_margin)
+        return Accelerometer(
             range_g=self.range_g,
             zero_g=self.zero_g,
             sensitivity=self.sensitivity,
-            zero_g_tolerance=mma7260qt.zero_g_tolerance(self.supply),
-            swing=(mma7260qt.SWING_MARGIN, self.supply - mma7260qt.SWING_MARGIN),
+            zero_g_tolerance=part.zero_g_tolerance * part.scale(self.supply),
+            swing=limits if part.digital else swing,
             noise=self.noise,
-            reference=self.adc_reference,
-            bits=self.adc_bits,
+            unit_per_count=1.0 if part.digital else self.adc_reference / (1 << self.adc_bits),
+            limits=limits,
         )

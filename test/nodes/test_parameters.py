@@ -16,13 +16,13 @@ from sensor_msgs.msg import Imu
 CONFIG = Path(__file__).resolve().parents[2] / 'config'
 
 NUMBER = {
-    'accelerometer_driver': ('driver.supply', 'a finite number from 2.2 to 3.6 [V]'),
+    'accelerometer_driver': ('driver.supply', 'a finite number from 1.8 to 3.6 [V]'),
     'gravity_removal': ('gravity.magnitude', 'a finite number from 9.7 to 9.9 [m/s²]'),
     'integrator': ('integrator.max_gap', 'a finite number from 0.001 to 60 [s]'),
     'pipeline': ('driver.slide.duration', 'a finite number from 0.01 to 1000 [s]'),
 }
 CHOICE = {
-    'accelerometer_driver': ('driver.motion', "one of 'rest', 'slide'"),
+    'accelerometer_driver': ('driver.motion', "one of 'gait', 'lift', 'rest', 'slide'"),
     'gravity_removal': ('gravity.attitude', "one of 'message', 'rest'"),
     'integrator': ('integrator.method', "one of 'trapezoid', 'euler'"),
     'pipeline': ('pipeline.source', "one of 'topic', 'simulated'"),

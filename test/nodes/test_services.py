@@ -81,7 +81,7 @@ def test_calibration_levelling_and_reset_work_and_starve_nothing(busy):
 
     answer = busy.trigger('accelerometer_driver/calibrate', DURATION)
     assert answer.success, answer.message
-    assert answer.message.startswith('offset of x, y, z: +0.03')
+    assert answer.message.startswith('offset of x, y, z: +0.02')
     assert 'level again' in answer.message
     assert busy.next_forces().mean(axis=0) == pytest.approx([0.0, 0.0, GRAVITY], abs=0.02)
 

@@ -22,15 +22,75 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Kinematics:
-    """The truth at n times, in the frame of the table the motion happens on.
+    """The truth at n times, in the frame t of the table the motion happens on.
 
-    ``position`` [m], ``velocity`` [m/s], ``acceleration`` [m/s²], shapes (n, 3).  The body does
-    not turn against the table.
+    ``position`` [m], ``velocity`` [m/s], ``acceleration`` [m/s²], shapes (n, 3), frame t.
+    ``euler`` and ``euler_rate``, shapes (n, 3) [rad], [rad/s]: roll, pitch, yaw of the body
+    against the table, and how they change.
     """
 
     position: Array
     velocity: Array
     acceleration: Array
+    euler: Array
+    euler_rate: Array
+
+    @property
+    def rotation(self) -> Array:
+        """Return ``rot_tb`` at each time, shape (n, 3, 3)."""
+        roll, pitch, yaw = self.euler.T
+        cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
+        return np.stack(
+            [
+                cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,
+                sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,
+                -sp, cp * sr, cp * cr,
+            ],
+            axis=1,
+        ).reshape(-1, 3, 3)  # fmt: skip
+
+    @property
+    def angular_velocity(self) -> Array:
+        """Return the rate of turn, shape (n, 3) [rad/s], frame of the body."""
+        roll, pitch, _ = self.euler.T
+        roll_rate, pitch_rate, yaw_rate = self.euler_rate.T
+        return np.stack(
+            [
+                roll_rate - yaw_rate * np.sin(pitch),
+                pitch_rate * np.cos(roll) + yaw_rate * np.cos(pitch) * np.sin(roll),
+                -pitch_rate * np.sin(roll) + yaw_rate * np.cos(pitch) * np.cos(roll),
+            ],
+            axis=1,
+        )
+
+
+def kinematics(
+    position: Array,
+    velocity: Array,
+    acceleration: Array,
+    euler: Array | None = None,
+    euler_rate: Array | None = None,
+) -> Kinematics:
+    """Return the truth of a motion that turns as given, or not at all."""
+    nothing = np.zeros_like(position)
+    return Kinematics(
+        position,
+        velocity,
+        acceleration,
+        nothing if euler is None else euler,
+        nothing if euler_rate is None else euler_rate,
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Steps:
+    """The steps of a walk: when the foot lands, shape (m,) [s], and how long each is [m]."""
+
+    times: Array
+    lengths: Array
+
+
+NO_STEPS = Steps(np.empty(0), np.empty(0))
 
 
 class Motion(Protocol):
@@ -41,6 +101,10 @@ class Motion(Protocol):
     @property
     def duration(self) -> float:
         """Time [s] after which the body rests for good."""
+
+    @property
+    def steps(self) -> Steps:
+        """The steps in it, `NO_STEPS` where nobody walks."""
 
     def at(self, time: Array) -> Kinematics:
         """Return the truth at ``time``, shape (n,) [s] since the start."""

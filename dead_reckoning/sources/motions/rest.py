@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from dead_reckoning.core.parameters import Settings, parameter
-from dead_reckoning.sources.motions import Array, Kinematics
+from dead_reckoning.sources.motions import NO_STEPS, Array, Kinematics, kinematics
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +25,7 @@ class Rest:
 
     Settings: ClassVar[type[Settings]] = RestSettings
     duration = 0.0
+    steps = NO_STEPS
 
     def __init__(self, settings: RestSettings) -> None:
         self._position = np.array(settings.position)
@@ -32,7 +33,7 @@ class Rest:
     def at(self, time: Array) -> Kinematics:
         """Return the truth at ``time``, shape (n,) [s]."""
         nothing = np.zeros((len(time), 3))
-        return Kinematics(nothing + self._position, nothing, nothing)
+        return kinematics(nothing + self._position, nothing, nothing)
 
 
 MOTION = Rest

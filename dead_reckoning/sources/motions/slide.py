@@ -8,7 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from dead_reckoning.core.parameters import Settings, parameter
-from dead_reckoning.sources.motions import Array, Kinematics
+from dead_reckoning.sources.motions import NO_STEPS, Array, Kinematics, kinematics
+from dead_reckoning.sources.paths import Path
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,24 +35,16 @@ class Slide:
     """
 
     Settings: ClassVar[type[Settings]] = SlideSettings
+    steps = NO_STEPS
 
     def __init__(self, settings: SlideSettings) -> None:
-        self._settings = settings
-        self._direction = np.eye(3)['xyz'.index(settings.axis)] * settings.distance
-
-    @property
-    def duration(self) -> float:
-        """Time [s] after which the body rests for good."""
-        return self._settings.start + self._settings.duration
+        self.duration = settings.start + settings.duration
+        ends = np.outer([0.0, settings.distance], np.eye(3)['xyz'.index(settings.axis)])
+        self._path = Path([settings.start, self.duration], ends)
 
     def at(self, time: Array) -> Kinematics:
         """Return the truth at ``time``, shape (n,) [s]."""
-        length = self._settings.duration
-        t = np.clip((time - self._settings.start) / length, 0.0, 1.0)
-        way = t**3 * (10.0 + t * (6.0 * t - 15.0))
-        speed = 30.0 * t**2 * (1.0 - t) ** 2 / length
-        push = 60.0 * t * (1.0 - t) * (1.0 - 2.0 * t) / length**2
-        return Kinematics(*(np.outer(part, self._direction) for part in (way, speed, push)))
+        return kinematics(*self._path.at(time))
 
 
 MOTION = Slide
