@@ -107,7 +107,7 @@ def installation(tmp_path):
     for name in NODES:
         path = library / name
         path.write_text(
-            f'#!/bin/sh\nexec "{sys.executable}" -m dead_reckoning.nodes.{name} "$@"\n'
+            f'#!/bin/sh\nexec "{sys.executable}" -m dead_reckoning.nodes {name} "$@"\n'
         )
         path.chmod(0o755)
     return tmp_path

@@ -53,7 +53,7 @@ class ChainNode(Node):
         self._writers: dict[str, Callable[[Any], None]] = {}
         self._figures: list[Callable[[], Mapping[str, object]]] = []
         self.diagnostics = Diagnostics(self, self._all_figures)
-        deferred = DeferredServices(self, self.common.service_timeout)
+        deferred = DeferredServices(self, self.common.service_timeout, self._count_usable)
         self._deferred = self._services_offered = deferred
         self.create_timer(SERVICE_PERIOD, deferred.poll, clock=STEADY)
         self.create_timer(DIAGNOSTICS_PERIOD, self.diagnostics.publish, clock=STEADY)
@@ -141,6 +141,9 @@ class ChainNode(Node):
                 self.diagnostics.fault(value)
             elif name == NOTICE:
                 self.get_logger().info(value)
+
+    def _count_usable(self) -> int:
+        return self.diagnostics.samples - self.diagnostics.dropped
 
     def _all_figures(self) -> Mapping[str, object]:
         return {key: value for figures in self._figures for key, value in figures().items()}

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from dead_reckoning.core.errors import DeadReckoningError, NotLevelledError
+from dead_reckoning.core.errors import DeadReckoningError, NotLevelledError, SampleError
 
 REPEAT = 30.0
 """A fault that goes on is logged again after this time [s], with how often it came."""
@@ -32,9 +32,11 @@ class Diagnostics:
         self._faults: Counter[str] = Counter()
         self._recent: dict[str, DeadReckoningError] = {}
         self._said: dict[str, tuple[float, int]] = {}
-        self._started = time.monotonic()
+        self._waiting_since: float | None = None
         self.samples = 0
         """Samples taken in so far."""
+        self.dropped = 0
+        """Those of them that could not be used."""
 
     def fault(self, error: DeadReckoningError) -> None:
         """Count a fault; log it when it is new, or has gone on for `REPEAT`."""
@@ -42,8 +44,12 @@ class Diagnostics:
         self._faults[kind] += 1
         self._recent[kind] = error
         now = time.monotonic()
-        if isinstance(error, NotLevelledError) and now - self._started < PATIENCE:
-            return
+        if isinstance(error, NotLevelledError):
+            self._waiting_since = self._waiting_since or now
+            if now - self._waiting_since < PATIENCE:
+                return
+        elif isinstance(error, SampleError):
+            self.dropped += 1
         last, count = self._said.get(kind, (-REPEAT, 0))
         if now - last < REPEAT:
             return

@@ -81,7 +81,7 @@ class NodeProcess:
         if parameters:
             file = folder / 'parameters.yaml'
             file.write_text(yaml.safe_dump({'/**': {'ros__parameters': dict(parameters)}}))
-        command = [sys.executable, '-m', f'dead_reckoning.nodes.{name}', '--ros-args']
+        command = [sys.executable, '-m', 'dead_reckoning.nodes', name, '--ros-args']
         if file is not None:
             command += ['--params-file', str(file)]
         environment = {
