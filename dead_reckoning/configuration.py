@@ -14,6 +14,7 @@ from typing import Any, ClassVar, TypeVar
 import yaml
 
 from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.compass import CompassSettings
 from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.gravity import GravitySettings
 from dead_reckoning.core.integrator import IntegratorSettings
@@ -22,6 +23,7 @@ from dead_reckoning.core.pipeline import PipelineSettings
 from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
 from dead_reckoning.sources.simulated import SimulatedSettings
+from dead_reckoning.sources.simulated_compass import SimulatedCompassSettings
 from dead_reckoning.sources.simulated_gyroscope import GyroSettings
 
 SettingsType = TypeVar('SettingsType', bound=Settings)
@@ -37,8 +39,12 @@ DRIVER = (
 )
 """Parts of the accelerometer driver."""
 
+COMPASS = (CompassSettings, SimulatedCompassSettings)
+"""Parts of the compass driver."""
+
 PARTS: tuple[type[Settings], ...] = (
     *DRIVER,
+    *COMPASS,
     GravitySettings,
     IntegratorSettings,
     PipelineSettings,

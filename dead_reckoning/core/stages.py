@@ -11,6 +11,7 @@ from dead_reckoning.core.samples import ImuSample, LinearAcceleration
 
 RAW = 'imu/data_raw'
 IMU = 'imu/data'
+COMPASS = 'compass/data'
 ACCELERATION = 'imu/linear_acceleration'
 ODOMETRY = 'odom'
 STATIONARY = 'stationary'
