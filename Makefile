@@ -33,6 +33,7 @@ venv: $(ready)  ## install ROS (unless sourced) and what the nodes need into .ve
 demo: $(ready)  ## run the nodes on a simulated slide; a table, plots and a page
 	@$(python) -m dead_reckoning.tools.main demo
 
+# Plugins of a sourced ROS (launch_testing's breaks under pytest 9) stay out.
 test: lint  ## lint, then run all tests; ARGS='-k slide' chooses
 	@ROS_PYTHON_CHECK_FIELDS=1 PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 $(python) -m pytest $(ARGS)
 

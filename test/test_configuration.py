@@ -174,6 +174,15 @@ def test_numbers_are_read_as_rcl_reads_them(file_of, text, value):
     assert type(values['driver.noise']) is type(value)
 
 
+@pytest.mark.parametrize(
+    ('text', 'value'),
+    [('y', True), ('Y', True), ('n', False), ('N', False), ('on', True), ('no', False)],
+)
+def test_booleans_are_read_as_rcl_reads_them(file_of, text, value):
+    path = file_of(f'/**: {{ros__parameters: {{frames.publish_tf: {text}}}}}')
+    assert read_values(path) == {'frames.publish_tf': value}
+
+
 @pytest.mark.parametrize('text', ['y', 'Y', 'n', 'yes', 'on'])
 def test_unquoted_y_is_a_boolean_as_in_rcl_and_the_hint_says_so(file_of, text):
     path = file_of(f'/**: {{ros__parameters: {{driver.slide.axis: {text}}}}}')

@@ -44,9 +44,10 @@ FROM_ROS = {
 
 def third_party(*folders):
     """Return the names of the packages that modules in these folders import."""
-    own = {PACKAGE, 'benchmarks', 'test', *sys.stdlib_module_names}
     files = [path for folder in folders for path in (ROOT / folder).rglob('*.py')]
     assert files
+    helpers = {path.stem for path in files if 'test' in folders}
+    own = {PACKAGE, 'benchmarks', 'test', *helpers, *sys.stdlib_module_names}
     return {
         name.partition('.')[0]
         for path in files

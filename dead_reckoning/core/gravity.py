@@ -119,7 +119,8 @@ class GravityRemoval:
     def _start_over(self) -> None:
         self.gravity = self.settings.magnitude
         """Gravity [m/s²], as set or as measured at rest."""
-        self._begin_rest(self.settings.attitude == 'rest' or self.settings.measure)
+        self._searching = self.settings.attitude == 'rest' or self.settings.measure
+        self._begin_rest(self._searching)
         self._quaternion: Quaternion | None = None
         self._rot_ws: Matrix = IDENTITY
 
@@ -222,15 +223,15 @@ class GravityRemoval:
                 return
             said = self._level_at(rest, attitude)
         except DeadReckoningError as error:
-            # The window is empty again; without an attitude the search has to go on.
-            if self._levelling.running:
-                if self._quaternion is not None or self.settings.attitude == 'message':
-                    self._window = None
-            elif not isinstance(error, NotAtRestError):
+            # The window is empty again; until the first rest is found the search goes on.
+            if not self._searching:
+                self._window = None
+            if not self._levelling.running and not isinstance(error, NotAtRestError):
                 self.findings.append(error)
             self._levelling.fail(error)
         else:
             self._window = None
+            self._searching = False
             self.levelled = said
             self._levelling.succeed(said)
 

@@ -5,7 +5,8 @@ A serialized message starts with four bytes that name the encoding, here little-
 (int32, uint32, string), then runs of doubles.  So a message is one `struct` layout per length of
 its frame ids.  What is not little-endian CDR goes through rclpy's own serialization once.
 
-Encoders write byte for byte what ``rclpy.serialization.serialize_message`` writes.
+Encoders write byte for byte what ``rclpy.serialization.serialize_message`` writes, but for the
+padding, which rclpy leaves as it finds the memory and which is zero here.
 """
 
 from __future__ import annotations
@@ -88,7 +89,7 @@ def _read(
     data = _little_endian(data, message_type)
     try:
         seconds, nanoseconds, length = _STAMP.unpack_from(data, _STAMP_AT)
-        frame_id = data[_TEXT_AT : _TEXT_AT + length - 1].decode()
+        frame_id = data[_TEXT_AT : _TEXT_AT + length].partition(b'\0')[0].decode()
         at = 12 + length
         for _ in range(texts - 1):
             at += -at % 4
@@ -211,7 +212,7 @@ def odometry_encoder(frame_id: str, child_frame_id: str) -> Callable[[Navigation
 
 def encode_bool(value: bool) -> bytes:
     """Write a std_msgs/Bool."""
-    return LITTLE_ENDIAN + (b'\x01' if value else b'\x00')
+    return LITTLE_ENDIAN + (b'\1\0\0\0' if value else b'\0\0\0\0')
 
 
 def _blocks(first: Matrix, second: Matrix) -> tuple[float, ...]:

@@ -133,8 +133,11 @@ def test_failure_at_the_start_is_said_and_samples_come_all_the_same(force, error
     np.testing.assert_array_equal(device.zero_g, MODEL.zero_g)
 
 
-def test_calibration_on_demand_keeps_the_samples_coming():
-    device = front_end()
+@pytest.mark.parametrize('started', [False, True])
+def test_calibration_on_demand_keeps_the_samples_coming(started):
+    device = front_end(calibrate_on_start=started)
+    if started:
+        device.add(conversions(1024))
     future = device.calibrate()
     samples = device.add(conversions(1023))
     assert len(samples) == 15

@@ -464,6 +464,17 @@ def test_search_goes_on_after_a_level_that_failed_before_the_first_rest():
     levelled(removal, first=51)
 
 
+@pytest.mark.parametrize('measure', [True, False])
+def test_level_that_failed_leaves_the_search_as_it_was(measure):
+    """With attitudes from messages: whether gravity is measured is up to `measure` alone."""
+    removal = gravity_removal(attitude='message', measure=measure)
+    future = removal.level()
+    outputs_of(removal, [imu(k, (2.0 * (k % 2), 0.0, GRAVITY), QUATERNION) for k in range(51)])
+    assert isinstance(future.exception(timeout=0), NotAtRestError)
+    outputs_of(removal, [imu(k, (0.0, 0.0, 9.7), QUATERNION) for k in range(51, 151)])
+    assert removal.gravity == pytest.approx(9.7 if measure else GRAVITY)
+
+
 def test_asking_again_supersedes_the_first():
     removal = gravity_removal()
     first, second = removal.level(), removal.level()

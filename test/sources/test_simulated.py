@@ -42,6 +42,14 @@ def force(counts):
     return MODEL.force(counts, np.array(MODEL.zero_g))
 
 
+def test_every_effect_is_on_unless_switched_off():
+    settings = SimulatedSettings()
+    assert settings.noise
+    assert settings.quantise
+    assert all(settings.offset)
+    assert all(settings.sensitivity_error)
+
+
 def test_ideal_sensor_shows_the_exact_force():
     source = ideal()
     conversions = source.read(round(5.0 * RATE))

@@ -1,0 +1,318 @@
+"""A ROS node of the test itself, and nodes as processes beside it, in one domain.
+
+Nothing here sleeps: `Ros.until` spins until a condition holds, or fails after `DEADLINE`, showing
+what the nodes wrote.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rclpy
+import yaml
+from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
+from std_srvs.srv import Trigger
+
+DEADLINE = 30.0
+"""How long [s] anything may take; only a failure takes that long."""
+
+NODES = ('accelerometer_driver', 'gravity_removal', 'integrator', 'pipeline')
+EXECUTORS = ('events', 'single')
+
+DEEP = 5000
+RELIABLE = QoSProfile(depth=DEEP)
+BEST_EFFORT = QoSProfile(depth=DEEP, reliability=QoSReliabilityPolicy.BEST_EFFORT)
+LATCHED = QoSProfile(depth=1, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def stamp_ns(message: Any) -> int:
+    """Return the stamp of a message [ns]."""
+    return message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
+
+
+def lossless(*topics: str) -> dict[str, Any]:
+    """Return parameters under which no sample of these topics is lost, however busy the machine.
+
+    Topics are named in full, as qos_overrides wants them.
+    """
+    return {
+        f'qos_overrides.{topic}.{side}.{policy}': value
+        for topic in topics
+        for side in ('publisher', 'subscription')
+        for policy, value in (('reliability', 'reliable'), ('depth', DEEP))
+    }
+
+
+class NodeProcess:
+    """A node of the package as a process, and what it wrote."""
+
+    def __init__(
+        self,
+        name: str,
+        domain: int,
+        folder: Path,
+        parameters: Mapping[str, Any] | None = None,
+        arguments: tuple[str, ...] = (),
+        *,
+        file: Path | None = None,
+    ) -> None:
+        """Start ``name``; ``parameters`` go through a file, unless there is a ``file`` already."""
+        self.name = name
+        self._folder = folder
+        folder.mkdir()
+        if parameters:
+            file = folder / 'parameters.yaml'
+            file.write_text(yaml.safe_dump({'/**': {'ros__parameters': dict(parameters)}}))
+        command = [sys.executable, '-m', f'dead_reckoning.nodes.{name}', '--ros-args']
+        if file is not None:
+            command += ['--params-file', str(file)]
+        environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain), 'ROS_LOG_DIR': str(folder)}
+        with (folder / 'stdout').open('wb') as out, (folder / 'stderr').open('wb') as err:
+            self.process = subprocess.Popen(
+                [*command, *arguments],
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=err,
+            )
+
+    @property
+    def stdout(self) -> str:
+        """What it wrote to its standard output so far."""
+        return (self._folder / 'stdout').read_text()
+
+    @property
+    def stderr(self) -> str:
+        """What it wrote to its standard error so far: its log too."""
+        return (self._folder / 'stderr').read_text()
+
+    @property
+    def running(self) -> bool:
+        """Whether it has not ended."""
+        return self.process.poll() is None
+
+    def end(self, *signals: int) -> int:
+        """Send signals, one right after the other, and return the exit status."""
+        for number in signals:
+            self.process.send_signal(number)
+        return self.wait()
+
+    def wait(self) -> int:
+        """Wait for its end and return the exit status."""
+        try:
+            return self.process.wait(DEADLINE)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+            pytest.fail(f'{self.name} did not end within {DEADLINE} s:\n{self.stderr}')
+
+
+class Ros:
+    """A node of the test in a context of its own; processes it started end with it, cleanly."""
+
+    def __init__(self, domain: int, folder: Path) -> None:
+        self.domain = domain
+        self.folder = folder
+        self._started: list[NodeProcess] = []
+        self._known: dict[int, NodeProcess] = {}
+        self._context = rclpy.Context()
+        rclpy.init(args=[], context=self._context, domain_id=domain)
+        self.node = rclpy.create_node('test', context=self._context, use_global_arguments=False)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+
+    def __enter__(self) -> 'Ros':
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        try:
+            self.end_all()
+        finally:
+            self._executor.shutdown()
+            self.node.destroy_node()
+            rclpy.shutdown(context=self._context)
+
+    def start(
+        self, name: str, parameters: Mapping[str, Any] | None = None, *arguments: str
+    ) -> NodeProcess:
+        """Start a node of the package; it is not there yet when this returns."""
+        folder = self.folder / f'{len(self._started)}_{name}'
+        process = NodeProcess(name, self.domain, folder, parameters, arguments)
+        self._started.append(process)
+        return process
+
+    def end_all(self) -> None:
+        """End all processes that still run: each with status 0 and without a traceback."""
+        running = [process for process in self._started if process.running]
+        for process in running:
+            process.process.send_signal(signal.SIGINT)
+        for process in running:
+            process.wait()
+        for process in running:
+            assert process.process.returncode == 0, process.stderr
+            assert 'Traceback' not in process.stderr
+
+    def spin(self, timeout: float = 0.05) -> None:
+        """Let the test's node do one thing, or wait that long [s] for it."""
+        self._executor.spin_once(timeout_sec=timeout)
+
+    def until(self, condition: Callable[[], Any], what: str) -> Any:
+        """Spin until ``condition`` gives something true, and return that."""
+        deadline = time.monotonic() + DEADLINE
+        while not (found := condition()):
+            if time.monotonic() > deadline:
+                said = '\n'.join(f'{p.name}: {p.stderr}' for p in self._started)
+                pytest.fail(f'waited {DEADLINE} s for {what}; the nodes said:\n{said}')
+            self.spin()
+        return found
+
+    def for_seconds(self, duration: float) -> None:
+        """Spin for a time [s]: only to see that nothing happens, or that something goes on."""
+        end = time.monotonic() + duration
+        while time.monotonic() < end:
+            self.spin(min(0.05, max(0.0, end - time.monotonic())))
+
+    def record(
+        self, topic: str, message: Any, qos: QoSProfile = RELIABLE, *, raw: bool = False
+    ) -> 'Recording':
+        """Record a topic from now on."""
+        return Recording(self, topic, message, qos, raw)
+
+    def publisher(self, topic: str, message: Any, subscribers: int = 1) -> Any:
+        """Return a publisher that has found its subscribers."""
+        publisher = self.node.create_publisher(message, topic, RELIABLE)
+        self.until(
+            lambda: publisher.get_subscription_count() >= subscribers, f'subscribers of {topic}'
+        )
+        return publisher
+
+    def diagnostics(self) -> 'DiagnosticsRecording':
+        """Record /diagnostics from now on."""
+        return DiagnosticsRecording(self)
+
+    def ask(self, service_type: Any, name: str, request: Any) -> Any:
+        """Send a request and return the future of its response."""
+        client = self.node.create_client(service_type, name)
+        self.until(client.service_is_ready, f'service {name}')
+        return client.call_async(request)
+
+    def call(self, service_type: Any, name: str, request: Any) -> Any:
+        """Send a request and return the response."""
+        future = self.ask(service_type, name, request)
+        self.until(future.done, f'the answer of {name}')
+        return future.result()
+
+    def trigger(self, name: str) -> Trigger.Response:
+        """Call a Trigger service and return the response."""
+        return self.call(Trigger, name, Trigger.Request())
+
+    def get(self, node: str, *names: str) -> list[Any]:
+        """Return values of parameters of a node."""
+        request = GetParameters.Request(names=list(names))
+        values = self.call(GetParameters, f'{node}/get_parameters', request).values
+        messages = [ParameterMessage(name=n, value=v) for n, v in zip(names, values, strict=True)]
+        return [Parameter.from_parameter_msg(message).value for message in messages]
+
+    def set(self, node: str, **changes: Any) -> list[Any]:
+        """Set parameters one by one, as ``ros2 param set`` does; ``__`` in a name is a dot."""
+        request = SetParameters.Request(parameters=_messages(changes))
+        return self.call(SetParameters, f'{node}/set_parameters', request).results
+
+    def set_at_once(self, node: str, **changes: Any) -> Any:
+        """Set parameters all or none; ``__`` in a name is a dot."""
+        request = SetParametersAtomically.Request(parameters=_messages(changes))
+        return self.call(
+            SetParametersAtomically, f'{node}/set_parameters_atomically', request
+        ).result
+
+
+def _messages(changes: Mapping[str, Any]) -> list[ParameterMessage]:
+    return [
+        Parameter(name.replace('__', '.'), value=value).to_parameter_msg()
+        for name, value in changes.items()
+    ]
+
+
+class Recording:
+    """What came on a topic, and when by the clock on the wall [s]."""
+
+    def __init__(self, ros: Ros, topic: str, message: Any, qos: QoSProfile, raw: bool) -> None:
+        self.topic = topic
+        self.messages: list[Any] = []
+        self.arrivals: list[float] = []
+        self._ros = ros
+        self._subscription = ros.node.create_subscription(message, topic, self._take, qos, raw=raw)
+
+    def _take(self, message: Any) -> None:
+        self.messages.append(message)
+        self.arrivals.append(time.monotonic())
+
+    def __len__(self) -> int:
+        return len(self.messages)
+
+    @property
+    def stamps(self) -> list[int]:
+        """The stamps [ns], in the order of arrival."""
+        return [stamp_ns(message) for message in self.messages]
+
+    def connected(self, publishers: int = 1) -> 'Recording':
+        """Wait until the publishers are found."""
+        self._ros.until(
+            lambda: self._subscription.get_publisher_count() >= publishers,
+            f'publishers of {self.topic}',
+        )
+        return self
+
+    def wait(self, count: int) -> list[Any]:
+        """Wait until there are so many messages, and return them."""
+        self._ros.until(lambda: len(self) >= count, f'{count} messages on {self.topic}')
+        return self.messages
+
+    def wait_next(self) -> Any:
+        """Wait for another message and return it."""
+        return self.wait(len(self) + 1)[-1]
+
+    def largest_gap(self, start: float, end: float) -> float:
+        """Return the longest time [s] between arrivals, from ``start`` to ``end``."""
+        times = [start, *(t for t in self.arrivals if start < t < end), end]
+        return max(b - a for a, b in pairwise(times))
+
+    def stop(self) -> None:
+        """Unsubscribe."""
+        self._ros.node.destroy_subscription(self._subscription)
+
+
+class DiagnosticsRecording:
+    """What nodes say on /diagnostics."""
+
+    def __init__(self, ros: Ros) -> None:
+        self._ros = ros
+        self._arrays = ros.record('/diagnostics', DiagnosticArray)
+
+    def of(self, node: str) -> list[Any]:
+        """Return what a node said so far: statuses with ``level``, ``message``, ``values``."""
+        return [s for array in self._arrays.messages for s in array.status if s.name == node]
+
+    def until(self, node: str, condition: Callable[[Any], bool], what: str) -> Any:
+        """Wait for a status of a node that meets a condition, and return it."""
+        return self._ros.until(
+            lambda: next((status for status in self.of(node) if condition(status)), None),
+            f'/diagnostics of {node}: {what}',
+        )
+
+
+def figures(status: Any) -> dict[str, str]:
+    """Return the key and value pairs of a status."""
+    return {pair.key: pair.value for pair in status.values}
