@@ -20,7 +20,7 @@ from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
 
 DECLARED = [pytest.param(part, d, id=d.key) for part in PARTS for d in part.parameters()]
-WITHOUT_UNIT = {'driver.simulated.sensitivity_error'}
+WITHOUT_UNIT = {'driver.simulated.sensitivity_error', 'integrator.scale_deviation'}
 """Real numbers that are ratios."""
 
 

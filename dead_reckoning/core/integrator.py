@@ -51,6 +51,7 @@ class Integrator:
     """
 
     def __init__(self, settings: IntegratorSettings, common: CommonSettings):
+        """Raise `DependencyError` where the method needs a package that is not installed."""
         self.settings = settings
         self.offset: Vector = ZERO
         """Residual offset along the axes of the sensor, shape (3,) [m/s²], as calibrated."""
@@ -118,14 +119,16 @@ class Integrator:
         else:
             self._integration.step(step_ns / NANOSECONDS, reading)
         stationary = self._check_movement_end(reading)
+        position, velocity = self._integration.position, self._integration.velocity
         position_covariance, velocity_covariance = self._integration.covariances(stationary)
+        scale_variance = self.settings.scale_deviation**2
         return NavigationState(
             imu.stamp_ns,
-            self._integration.position,
-            self._integration.velocity,
+            position,
+            velocity,
             orientation,
-            position_covariance,
-            velocity_covariance,
+            _scaled(position_covariance, position, scale_variance),
+            _scaled(velocity_covariance, velocity, scale_variance),
             reading.attitude_covariance,
             imu.angular_velocity,
             imu.angular_velocity_covariance,
@@ -195,3 +198,12 @@ class Integrator:
             self.offset = rest.mean
             said = ', '.join(f'{value:.4f}' for value in rest.mean)
             self._calibration.succeed(f'offset along x, y, z: {said} m/s²')
+
+
+def _scaled(covariance: Matrix, vector: Vector, variance: float) -> Matrix:
+    """Add to a covariance, shape (3, 3), that the whole vector may be too long or too short."""
+    x, y, z = vector
+    xx, xy, xz, _, yy, yz, _, _, zz = covariance
+    xy, xz, yz = xy + variance * x * y, xz + variance * x * z, yz + variance * y * z
+    xx, yy, zz = xx + variance * x * x, yy + variance * y * y, zz + variance * z * z
+    return (xx, xy, xz, xy, yy, yz, xz, yz, zz)

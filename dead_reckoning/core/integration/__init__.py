@@ -74,7 +74,15 @@ class Integration(Protocol):
 
 
 def integration(settings: IntegratorSettings) -> Integration:
-    """Return the method that the settings name."""
+    """Return the method that the settings name.
+
+    Raises `DependencyError` for `kalman` without filterpy, whose import takes most of a second and
+    so is left to those who ask for it.
+    """
+    if settings.method == 'kalman':
+        from dead_reckoning.core.integration.kalman import Kalman
+
+        return Kalman(settings)
     if settings.method == 'euler':
         from dead_reckoning.core.integration.euler import Euler
 

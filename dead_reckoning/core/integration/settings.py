@@ -16,14 +16,15 @@ class IntegratorSettings(Settings, prefix='integrator'):
 
     method: str = parameter(
         'trapezoid',
-        'trapezoid (AN3397 and mbed, first order between samples) or euler (CH Robotics '
-        'section 3, the value before each step)',
-        choices=('trapezoid', 'euler'),
+        'trapezoid (AN3397 and mbed, first order between samples), euler (CH Robotics section 3, '
+        'the value before each step) or kalman (the errors of attitude and offset are learnt '
+        'whenever the movement-end check makes the velocity known)',
+        choices=('trapezoid', 'euler', 'kalman'),
     )
     axes: tuple[str, ...] = parameter(
         AXES,
-        'Axes of the sensor along which it moves; the others are held at zero. With a single one the '
-        'body carries its speed along as it turns: distance along a heading',
+        'Axes of the sensor along which it moves; the others are held at zero. With a single one '
+        'the body carries its speed along as it turns: distance along a heading',
         choices=AXES,
     )
     window_minimum: float = parameter(
@@ -66,6 +67,18 @@ class IntegratorSettings(Settings, prefix='integrator'):
         0.01,
         'One sigma of the constant offset that calibration leaves on an axis',
         unit='m/s²',
+        minimum=0.0,
+    )
+    scale_deviation: float = parameter(
+        0.01,
+        "One sigma of the relative error of the sensor's sensitivity, which scales the whole path",
+        minimum=0.0,
+        maximum=1.0,
+    )
+    bias_walk: float = parameter(
+        0.001,
+        'One sigma by which the offset wanders in a second; method kalman only',
+        unit='m/s²/√s',
         minimum=0.0,
     )
     stationary_deviation: float = parameter(

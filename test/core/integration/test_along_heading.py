@@ -215,7 +215,7 @@ def test_heading_error_times_distance(method):
     accelerations = np.zeros((10_101, 3))
     accelerations[:101, 0] = 0.5 / 1.005
     states = run(
-        integrator(method, offset_deviation=0.0, common=QUIET),
+        integrator(method, offset_deviation=0.0, scale_deviation=0.0, common=QUIET),
         accelerations,
         [IDENTITY_QUATERNION] * 10_101,
         attitude=only_yaw(0.02),
@@ -233,7 +233,7 @@ def test_one_heading_error_cancels_where_the_way_closes(method):
     """A constant turn of the compass turns the whole path: back at the start it is no error."""
     truth, attitudes = driven(100)
     states = run(
-        integrator(method, offset_deviation=0.0, common=QUIET),
+        integrator(method, offset_deviation=0.0, scale_deviation=0.0, common=QUIET),
         truth.acceleration,
         attitudes,
         attitude=only_yaw(0.1),
@@ -248,7 +248,12 @@ def test_one_heading_error_cancels_where_the_way_closes(method):
 def test_at_rest_it_grows_as_half_g_sigma_t_squared_along_the_axis(method):
     degree = math.radians(1.0)
     states = run(
-        integrator(method, offset_deviation=0.0, common=QUIET | {'attitude_deviation': degree}),
+        integrator(
+            method,
+            offset_deviation=0.0,
+            scale_deviation=0.0,
+            common=QUIET | {'attitude_deviation': degree},
+        ),
         np.zeros((1001, 3)),
         yaws([math.pi / 2] * 1001),
     )
