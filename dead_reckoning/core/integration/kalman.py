@@ -219,6 +219,7 @@ class Kalman:
             push[self._c] = odd @ seen[:, self._c]
             push[self._p] = 0.5 * self._moving * self._ahead @ push[self._c]
             kf.P = kf.P + (1.0 - GATE * count / distance) * np.outer(push, push)
+        kf.dim_z = count  # filterpy 1 checks z against it
         kf.update(np.zeros(count), noise, seen)
         self._moving = 0.0
 
