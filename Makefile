@@ -44,7 +44,7 @@ lint: $(ready_to_test)  ## ruff and mypy
 
 accuracy: $(if $(DATA),$(ready))  ## measure on real recordings: DATA=folder
 	$(if $(DATA),,$(error name the folder of the recordings: make accuracy DATA=folder))
-	@$(python) -m benchmarks.accuracy $(DATA)
+	@$(python) -m benchmarks.accuracy '$(DATA)'
 
 config: $(ready)  ## write config/*.yaml and the parameter reference from the declarations
 	@$(python) -m dead_reckoning.tools.generate

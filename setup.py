@@ -29,7 +29,7 @@ setup(
     ],
     entry_points={
         'console_scripts': [
-            *(f'{node} = {PACKAGE}.nodes.{node}:main' for node in NODES),
+            *(f'{node} = {PACKAGE}.nodes.executables:{node}' for node in NODES),
             f'dead-reckoning = {PACKAGE}.tools.main:main',
         ],
     },

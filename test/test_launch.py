@@ -107,16 +107,15 @@ def installation(tmp_path):
     for name in NODES:
         path = library / name
         path.write_text(
-            f'#!/bin/sh\nexec "{sys.executable}" -m dead_reckoning.nodes.{name} "$@"\n'
+            f'#!/bin/sh\nexec "{sys.executable}" -m dead_reckoning.nodes {name} "$@"\n'
         )
         path.chmod(0o755)
     return tmp_path
 
 
 @pytest.fixture
-def launched(installation):
+def launched(installation, domain_id):
     """Start launch files; end them as Ctrl-C does, and see that nothing stays behind."""
-    domain = 1 + os.getpid() % 100
     environment = dict(
         os.environ,
         AMENT_PREFIX_PATH=os.pathsep.join(
@@ -124,7 +123,7 @@ def launched(installation):
         ),
         PYTHONPATH=os.pathsep.join(filter(None, (str(ROOT), os.environ.get('PYTHONPATH')))),
         ROS_AUTOMATIC_DISCOVERY_RANGE='LOCALHOST',
-        ROS_DOMAIN_ID=str(domain),
+        ROS_DOMAIN_ID=str(domain_id),
         ROS_LOG_DIR=str(installation / 'log'),
     )
     started = []
@@ -132,7 +131,6 @@ def launched(installation):
     def launch(name, *arguments):
         command = [sys.executable, '-c', RUN, str(LAUNCH / name), *arguments]
         started.append(subprocess.Popen(command, env=environment, start_new_session=True))
-        return domain
 
     yield launch
     for process in started:
@@ -180,13 +178,13 @@ def first_odometry(domain, topic, wanted):
         rclpy.try_shutdown(context=context)
 
 
-def test_dead_reckoning_launch_publishes_odometry_in_its_namespace(launched):
-    domain = launched('dead_reckoning.launch.py', 'namespace:=robot1', 'motion:=rest')
-    message = first_odometry(domain, '/robot1/odom', lambda message: True)
+def test_dead_reckoning_launch_publishes_odometry_in_its_namespace(launched, domain_id):
+    launched('dead_reckoning.launch.py', 'namespace:=robot1', 'motion:=rest')
+    message = first_odometry(domain_id, '/robot1/odom', lambda message: True)
     assert (message.header.frame_id, message.child_frame_id) == ('odom', 'base_link')
 
 
-def test_demo_launch_arrives_at_half_a_metre(launched):
-    domain = launched('demo.launch.py')
-    arrived = first_odometry(domain, '/odom', lambda m: m.pose.pose.position.x > 0.45)
+def test_demo_launch_arrives_at_half_a_metre(launched, domain_id):
+    launched('demo.launch.py')
+    arrived = first_odometry(domain_id, '/odom', lambda m: m.pose.pose.position.x > 0.45)
     assert arrived.pose.pose.position.x < 0.6

@@ -47,7 +47,8 @@ class Integrator:
 
     The first sample only sets the start.  A stale stamp is refused.  One that goes back by more
     than 1 s starts all over.  Over a gap nothing is integrated and the covariance grows.  A
-    clipped sample shows in the covariance its driver gives it.
+    clipped sample shows in the covariance its driver gives it.  While the movement-end check holds
+    the body for resting, position stays as it is, and so does its covariance.
     """
 
     def __init__(self, settings: IntegratorSettings, common: CommonSettings):
@@ -63,6 +64,7 @@ class Integrator:
         self._integration = integration(settings)
         self._axes = [AXES.index(axis) for axis in settings.axes]
         self._quiet = [0, 0, 0]
+        self._stationary = False
         self._calibration = Work()
         self._window: RestWindow | None = None
 
@@ -116,9 +118,11 @@ class Integrator:
         elif step_ns > self.settings.max_gap * NANOSECONDS:
             self.gaps += 1
             self._integration.gap(step_ns / NANOSECONDS, reading)
+        elif self._stationary and len(self._ended()) == len(self._axes):
+            self._integration.hold(step_ns / NANOSECONDS, reading)
         else:
             self._integration.step(step_ns / NANOSECONDS, reading)
-        stationary = self._check_movement_end(reading)
+        stationary = self._stationary = self._check_movement_end(reading)
         position, velocity = self._integration.position, self._integration.velocity
         position_covariance, velocity_covariance = self._integration.covariances(stationary)
         scale_variance = self.settings.scale_deviation**2
@@ -170,16 +174,19 @@ class Integrator:
             else:
                 quiet[index] = 1 if anew else quiet[index] + 1
 
+    def _ended(self) -> list[int]:
+        """List the axes of the sensor along which the movement has ended."""
+        if self.settings.movement_end == 'off':
+            return []
+        needed = self.settings.movement_end_samples
+        return [index for index in self._axes if self._quiet[index] >= needed]
+
     def _check_movement_end(self, reading: Reading) -> bool:
-        settings = self.settings
-        if settings.movement_end == 'off':
-            return False
-        needed = settings.movement_end_samples
-        ended = [index for index in self._axes if self._quiet[index] >= needed]
+        ended = self._ended()
         if len(ended) == len(self._axes):
             self._integration.stop()
             return True
-        if ended and settings.movement_end == 'each':
+        if ended and self.settings.movement_end == 'each':
             self._integration.stop_along(ended, reading)
         return False
 

@@ -1,16 +1,21 @@
-"""Executable `accelerometer_driver`; its node is in the module of the same name with `_node`."""
+"""Node `accelerometer_driver`: an accelerometer's samples as sensor_msgs/Imu."""
 
 from __future__ import annotations
 
-import sys
-
-from dead_reckoning.nodes.run import run
-
-
-def main() -> int:
-    """Run the node."""
-    return run('dead_reckoning.nodes.accelerometer_driver_node')
+from dead_reckoning.configuration import DRIVER
+from dead_reckoning.core.chain import Chain
+from dead_reckoning.core.stages import GROUND_TRUTH, RAW
+from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.simulated_driver import SimulatedDriver
 
 
-if __name__ == '__main__':
-    sys.exit(main())
+class AccelerometerDriver(ChainNode):
+    """Publish `imu/data_raw`, and of a simulated sensor `ground_truth/odom`."""
+
+    def __init__(self) -> None:
+        super().__init__('accelerometer_driver', DRIVER)
+        self.connect(Chain([]), inputs=(), outputs=(RAW, GROUND_TRUTH))
+        self.driver = SimulatedDriver(self, self.configuration)
+
+
+NODE = AccelerometerDriver

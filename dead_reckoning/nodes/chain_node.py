@@ -28,6 +28,8 @@ from dead_reckoning.nodes.transforms import transform_sender
 
 SERVICE_PERIOD = 0.05
 DIAGNOSTICS_PERIOD = 1.0
+STEADY = Clock(clock_type=ClockType.STEADY_TIME)
+"""What timers go by that have nothing to do with samples: it runs on when /clock stands."""
 
 
 class ChainNode(Node):
@@ -51,11 +53,10 @@ class ChainNode(Node):
         self._writers: dict[str, Callable[[Any], None]] = {}
         self._figures: list[Callable[[], Mapping[str, object]]] = []
         self.diagnostics = Diagnostics(self, self._all_figures)
-        deferred = DeferredServices(self, self.common.service_timeout)
+        deferred = DeferredServices(self, self.common.service_timeout, self._count_usable)
         self._deferred = self._services_offered = deferred
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(SERVICE_PERIOD, deferred.poll, clock=steady)
-        self.create_timer(DIAGNOSTICS_PERIOD, self.diagnostics.publish, clock=steady)
+        self.create_timer(SERVICE_PERIOD, deferred.poll, clock=STEADY)
+        self.create_timer(DIAGNOSTICS_PERIOD, self.diagnostics.publish, clock=STEADY)
 
     @property
     def services(self) -> Iterator[Service]:
@@ -112,6 +113,10 @@ class ChainNode(Node):
         """Return how many subscribers a topic has, by its name in the design."""
         return self.count_subscribers(self.resolve_topic_name(name))
 
+    def count_publishers_of(self, name: str) -> int:
+        """Return how many publishers a topic has, by its name in the design."""
+        return self.count_publishers(self.resolve_topic_name(name))
+
     def feed(self, name: str, sample: Any) -> None:
         """Take a sample of this node's own source: publish it, and run it through the chain."""
         self.diagnostics.samples += 1
@@ -136,6 +141,9 @@ class ChainNode(Node):
                 self.diagnostics.fault(value)
             elif name == NOTICE:
                 self.get_logger().info(value)
+
+    def _count_usable(self) -> int:
+        return self.diagnostics.samples - self.diagnostics.dropped
 
     def _all_figures(self) -> Mapping[str, object]:
         return {key: value for figures in self._figures for key, value in figures().items()}

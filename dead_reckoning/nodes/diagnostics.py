@@ -9,12 +9,7 @@ from collections.abc import Callable, Mapping
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from dead_reckoning.core.errors import (
-    DeadReckoningError,
-    MountingError,
-    NotLevelledError,
-    SampleError,
-)
+from dead_reckoning.core.errors import DeadReckoningError, NotLevelledError, SampleError
 
 REPEAT = 30.0
 """A fault that goes on is logged again after this time [s], with how often it came."""
@@ -37,9 +32,11 @@ class Diagnostics:
         self._faults: Counter[str] = Counter()
         self._recent: dict[str, DeadReckoningError] = {}
         self._said: dict[str, tuple[float, int]] = {}
-        self._started = time.monotonic()
+        self._waiting_since: float | None = None
         self.samples = 0
         """Samples taken in so far."""
+        self.dropped = 0
+        """Those of them that could not be used."""
 
     def fault(self, error: DeadReckoningError) -> None:
         """Count a fault; log it when it is new, or has gone on for `REPEAT`."""
@@ -47,8 +44,12 @@ class Diagnostics:
         self._faults[kind] += 1
         self._recent[kind] = error
         now = time.monotonic()
-        if isinstance(error, NotLevelledError) and now - self._started < PATIENCE:
-            return
+        if isinstance(error, NotLevelledError):
+            self._waiting_since = self._waiting_since or now
+            if now - self._waiting_since < PATIENCE:
+                return
+        elif isinstance(error, SampleError):
+            self.dropped += 1
         last, count = self._said.get(kind, (-REPEAT, 0))
         if now - last < REPEAT:
             return
@@ -56,7 +57,7 @@ class Diagnostics:
         more = self._faults[kind] - count - 1
         text = f'{error} ({more} more of these)' if count and more else str(error)
         log = self._node.get_logger()
-        if isinstance(error, (SampleError, MountingError)):
+        if error.severity == 'warning':
             log.warning(text)
         else:
             log.error(text)
@@ -77,7 +78,6 @@ class Diagnostics:
     def _level(self) -> tuple[bytes, str]:
         if not self._recent:
             return DiagnosticStatus.OK, 'running' if self.samples else 'waiting for samples'
-        warnings = (SampleError, MountingError)
-        worst = sorted(self._recent.values(), key=lambda e: isinstance(e, warnings))[0]
-        level = DiagnosticStatus.WARN if isinstance(worst, warnings) else DiagnosticStatus.ERROR
-        return level, str(worst)
+        worst = min(self._recent.values(), key=lambda error: error.severity)  # errors first
+        warning = worst.severity == 'warning'
+        return DiagnosticStatus.WARN if warning else DiagnosticStatus.ERROR, str(worst)

@@ -1,16 +1,39 @@
-"""Executable `integrator`; its node is in the module of the same name with `_node`."""
+"""Node `integrator`: Odometry from linear acceleration."""
 
 from __future__ import annotations
 
-import sys
-
-from dead_reckoning.nodes.run import run
-
-
-def main() -> int:
-    """Run the node."""
-    return run('dead_reckoning.nodes.integrator_node')
+from dead_reckoning.core.chain import Chain
+from dead_reckoning.core.integration.settings import IntegratorSettings
+from dead_reckoning.core.integrator import Integrator
+from dead_reckoning.core.stages import ACCELERATION, IMU, ODOMETRY, STATIONARY, integrator_stage
+from dead_reckoning.nodes import parameters
+from dead_reckoning.nodes.chain_node import ChainNode
 
 
-if __name__ == '__main__':
-    sys.exit(main())
+class IntegratorNode(ChainNode):
+    """Take `imu/linear_acceleration` and `imu/data`, publish `odom` and `stationary`."""
+
+    def __init__(self) -> None:
+        super().__init__('integrator', (IntegratorSettings,))
+        integrator = Integrator(self.configuration[IntegratorSettings], self.common)
+        self.connect(
+            Chain([integrator_stage(integrator)]),
+            inputs=(ACCELERATION, IMU),
+            outputs=(ODOMETRY, STATIONARY),
+        )
+        serve(self, integrator)
+
+
+def serve(node: ChainNode, integrator: Integrator) -> None:
+    """Give a node the services and the changeable parameters of an integrator."""
+
+    def reset() -> str:
+        integrator.reset()
+        return 'position and velocity are zero'
+
+    node.offer('reset', reset)
+    node.offer('calibrate', integrator.calibrate)
+    parameters.follow_changes(node, integrator.settings, integrator.configure)
+
+
+NODE = IntegratorNode

@@ -1,16 +1,56 @@
-"""Executable `pipeline`; its node is in the module of the same name with `_node`."""
+"""Node `pipeline`: the whole chain in one process."""
 
 from __future__ import annotations
 
-import sys
+from dead_reckoning.configuration import DRIVER
+from dead_reckoning.core.gravity import GravitySettings
+from dead_reckoning.core.integration.settings import IntegratorSettings
+from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
+from dead_reckoning.core.stages import (
+    ACCELERATION,
+    GROUND_TRUTH,
+    IMU,
+    ODOMETRY,
+    RAW,
+    STATIONARY,
+    gravity_input,
+)
+from dead_reckoning.nodes import gravity_removal, integrator
+from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.simulated_driver import SimulatedDriver
 
-from dead_reckoning.nodes.run import run
+
+class PipelineNode(ChainNode):
+    """Go the whole way from an Imu topic, or from a sensor, to `odom` without a topic between."""
+
+    def __init__(self) -> None:
+        parts = (PipelineSettings, *DRIVER, GravitySettings, IntegratorSettings)
+        super().__init__('pipeline', parts)
+        configuration = self.configuration
+        settings = configuration[PipelineSettings]
+        parts_built = Pipeline(
+            configuration[GravitySettings],
+            configuration[IntegratorSettings],
+            self.common,
+            self.frames,
+        )
+        taken = gravity_input(configuration[GravitySettings].attitude)
+        from_topic = settings.source == 'topic'
+        between = [ACCELERATION]
+        if taken == RAW:
+            between.append(IMU)
+        if not from_topic:
+            between += [RAW, GROUND_TRUTH]
+        self.connect(
+            parts_built.chain,
+            inputs=(taken,) if from_topic else (),
+            outputs=(ODOMETRY, STATIONARY, *between),
+            on_demand=between,
+        )
+        if not from_topic:
+            self.driver = SimulatedDriver(self, configuration)
+        gravity_removal.serve(self, parts_built.gravity)
+        integrator.serve(self, parts_built.integrator)
 
 
-def main() -> int:
-    """Run the node."""
-    return run('dead_reckoning.nodes.pipeline_node')
-
-
-if __name__ == '__main__':
-    sys.exit(main())
+NODE = PipelineNode

@@ -23,8 +23,10 @@ SPIN_TIMEOUT = 0.1
 """How long [s] one turn may wait, and so the longest that a signal waits to be heard."""
 
 
-def run(module: str) -> int:
-    """Run the node that a module offers as ``NODE`` until told to stop; return the exit status.
+def run(name: str) -> int:
+    """Run the node of a module of this folder, its ``NODE``, until told to stop.
+
+    Return the exit status.
 
     Ctrl-C and SIGTERM end it with status 0, however often they come (ros2 launch sends two), wrong
     parameters with one line and status 2.
@@ -36,10 +38,9 @@ def run(module: str) -> int:
 
     from dead_reckoning.core.errors import DeadReckoningError
 
-    make_node = import_module(module).NODE
-    set_logger_level(
-        'rcl', LoggingSeverity.FATAL
-    )  # it would say in a line more that parsing failed
+    make_node = import_module(f'dead_reckoning.nodes.{name}').NODE
+    # rcl would say in a line of its own that parsing failed.
+    set_logger_level('rcl', LoggingSeverity.FATAL)
     try:
         # rclpy's own handlers shut the context down under a running callback, whose next publish
         # then fails; these only take note.

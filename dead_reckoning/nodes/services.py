@@ -25,10 +25,13 @@ class DeferredServices:
     starts the work, and replies to those whose work has ended.
     """
 
-    def __init__(self, node: Node, timeout: float) -> None:
-        """``timeout`` [s]: how long work may wait for samples, by the clock on the wall."""
+    def __init__(self, node: Node, timeout: float, usable: Callable[[], int]) -> None:
+        """Wait ``timeout`` [s] by the clock on the wall for samples that can be used.
+
+        ``usable`` returns how many there were so far.
+        """
         self._node = node
-        self._timeout = timeout
+        self._patience = _Patience(timeout, usable)
         self._works: dict[str, tuple[Service, list[Begin]]] = {}
         self._requests: list[_Request] = []
 
@@ -51,25 +54,42 @@ class DeferredServices:
             with service.handle:
                 request, header = service.handle.service_take_request(service.srv_type.Request)
             if request is not None:
-                deadline = time.monotonic() + self._timeout
-                self._requests.append(_Request(service, header, deadline, iter(works)))
-        self._requests = [request for request in self._requests if not request.proceed()]
+                self._patience.renew()
+                self._requests.append(_Request(service, header, iter(works)))
+        lost = self._patience.is_lost()
+        self._requests = [request for request in self._requests if not request.proceed(lost)]
+
+
+class _Patience:
+    """Whether usable samples have come within a time, on the wall's clock."""
+
+    def __init__(self, timeout: float, usable: Callable[[], int]) -> None:
+        self._timeout = timeout
+        self._usable = usable
+        self._seen = 0
+        self.renew()
+
+    def renew(self) -> None:
+        self._deadline = time.monotonic() + self._timeout
+
+    def is_lost(self) -> bool:
+        if self._usable() != self._seen:
+            self._seen = self._usable()
+            self.renew()
+        return time.monotonic() > self._deadline
 
 
 class _Request:
     """One request on its way through the works of its service."""
 
-    def __init__(
-        self, service: Service, header: Any, deadline: float, works: Iterator[Begin]
-    ) -> None:
+    def __init__(self, service: Service, header: Any, works: Iterator[Begin]) -> None:
         self._service = service
         self._header = header
-        self._deadline = deadline
         self._works = works
         self._said: list[str] = []
         self._current: Future[str] | None = None
 
-    def proceed(self) -> bool:
+    def proceed(self, samples_lack: bool) -> bool:
         """Go as far as is possible now; return whether the reply was sent."""
         try:
             while self._current is None or self._current.done():
@@ -86,7 +106,7 @@ class _Request:
                     self._said.append(answer)
         except DeadReckoningError as error:
             return self._reply(False, '; '.join([*self._said, str(error)]))
-        if time.monotonic() < self._deadline:
+        if not samples_lack:
             return False
         return self._reply(
             False,

@@ -15,7 +15,7 @@ from typing import IO, Any
 from dead_reckoning.core.errors import DeadReckoningError
 
 PATIENCE = 5.0
-"""How long [s] a process may take to end after SIGINT, before it is killed."""
+"""How long [s] a process may take to end after SIGTERM, before it is killed."""
 
 
 def environment() -> dict[str, str]:
@@ -67,12 +67,13 @@ class Nodes:
     def __enter__(self) -> Nodes:
         return self
 
-    def start(self, module: str, parameters: Mapping[str, Any], *, read: bool = False) -> IO[str]:
-        """Start a module of `dead_reckoning.nodes`; with ``read`` its output can be read.
+    def start(self, name: str, parameters: Mapping[str, Any], *, read: bool = False) -> IO[str]:
+        """Start a node of `dead_reckoning.nodes`; with ``read`` its output can be read.
 
         Values of parameters are written as ROS takes them on a command line.
         """
-        command = [sys.executable, '-m', f'dead_reckoning.nodes.{module}', '--ros-args']
+        command = [sys.executable, '-m', 'dead_reckoning.nodes', name, '--ros-args']
+        command += ['--log-level', 'warn']  # the demo itself says what is well
         for key, value in parameters.items():
             command += ['-p', f'{key}:={_argument(value)}']
         process = subprocess.Popen(
@@ -81,22 +82,23 @@ class Nodes:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE if read else sys.stderr,
             text=True,
+            start_new_session=True,  # Ctrl-C comes here alone, which ends them in its own way
         )
-        self._processes[module] = process
+        self._processes[name] = process
         return process.stdout if process.stdout is not None else sys.stderr
 
     def check(self) -> None:
         """Raise `NodeEndedError` if one of them has ended."""
-        for module, process in self._processes.items():
+        for name, process in self._processes.items():
             if process.poll() is not None:
                 raise NodeEndedError(
-                    f'{module} ended by itself with status {process.returncode}: see what it said'
+                    f'{name} ended by itself with status {process.returncode}: see what it said'
                 )
 
     def __exit__(self, *exception: object) -> None:
         for process in self._processes.values():
             if process.poll() is None:
-                process.send_signal(signal.SIGINT)
+                process.terminate()
         deadline = time.monotonic() + PATIENCE
         for process in self._processes.values():
             try:

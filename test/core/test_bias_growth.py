@@ -152,6 +152,16 @@ def test_gap_adds_what_it_may_hide():
     assert velocity == pytest.approx([1.0] * 3)
 
 
+def test_what_a_gap_hid_of_the_velocity_carries_on():
+    """One unknown push of 0.5 m/s² for 2 s, then 3 s more at the speed it gave."""
+    growth = BiasGrowth(0.0)
+    growth.gap(2.0, speed=0.0, acceleration=0.5)
+    growth.gap(3.0, speed=0.0, acceleration=0.0)
+    position, velocity = deviations(growth)
+    assert position == pytest.approx([1.0 + 3.0] * 3)
+    assert velocity == pytest.approx([1.0] * 3)
+
+
 def test_uncertain_velocity_carries_on_through_a_gap():
     growth = at_rest(BiasGrowth(0.0), 5.0, attitude=DEGREE)
     before, velocity = deviations(growth)

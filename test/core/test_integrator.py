@@ -374,6 +374,20 @@ def test_stationary_state_says_how_still_it_may_be():
     assert np.sqrt(states[-1].velocity_covariance[::4]) == pytest.approx([0.02] * 3, rel=1e-3)
 
 
+@pytest.mark.parametrize('rate', [10, 100])
+def test_position_grows_no_more_uncertain_while_it_is_held(rate):
+    stamps = START_NS + np.arange(60 * rate) * (10**9 // rate)
+    states = run(integrator(), np.zeros(60 * rate), stamps)
+    assert states[24].stationary
+    assert states[-1].position_covariance == states[24].position_covariance
+
+
+def test_position_grows_uncertain_again_once_it_moves():
+    states = run(integrator(), np.concatenate((np.zeros(30), np.ones(2))))
+    held, first, second = (state.position_covariance[0] for state in states[-3:])
+    assert held < first < second
+
+
 def test_check_without_a_window_is_refused():
     with pytest.raises(SettingsError, match=r'integrator\.window_maximum'):
         IntegratorSettings(window_minimum=0.0, window_maximum=0.0)

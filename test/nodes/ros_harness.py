@@ -25,8 +25,13 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
 from std_srvs.srv import Trigger
 
+import dead_reckoning
+
 DEADLINE = 30.0
 """How long [s] anything may take; only a failure takes that long."""
+
+ROOT = str(Path(dead_reckoning.__file__).parents[1])
+"""Where the package under test is imported from; its nodes shall come from there too."""
 
 NODES = ('accelerometer_driver', 'gravity_removal', 'integrator', 'pipeline')
 EXECUTORS = ('events', 'single')
@@ -70,15 +75,21 @@ class NodeProcess:
     ) -> None:
         """Start ``name``; ``parameters`` go through a file, unless there is a ``file`` already."""
         self.name = name
+        self.ended = False
         self._folder = folder
         folder.mkdir()
         if parameters:
             file = folder / 'parameters.yaml'
             file.write_text(yaml.safe_dump({'/**': {'ros__parameters': dict(parameters)}}))
-        command = [sys.executable, '-m', f'dead_reckoning.nodes.{name}', '--ros-args']
+        command = [sys.executable, '-m', 'dead_reckoning.nodes', name, '--ros-args']
         if file is not None:
             command += ['--params-file', str(file)]
-        environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain), 'ROS_LOG_DIR': str(folder)}
+        environment = {
+            **os.environ,
+            'ROS_DOMAIN_ID': str(domain),
+            'ROS_LOG_DIR': str(folder),
+            'PYTHONPATH': os.pathsep.join([ROOT, os.environ.get('PYTHONPATH', '')]),
+        }
         with (folder / 'stdout').open('wb') as out, (folder / 'stderr').open('wb') as err:
             self.process = subprocess.Popen(
                 [*command, *arguments],
@@ -111,6 +122,7 @@ class NodeProcess:
 
     def wait(self) -> int:
         """Wait for its end and return the exit status."""
+        self.ended = True
         try:
             return self.process.wait(DEADLINE)
         except subprocess.TimeoutExpired:
@@ -155,6 +167,8 @@ class Ros:
 
     def end_all(self) -> None:
         """End all processes that still run: each with status 0 and without a traceback."""
+        for process in self._started:
+            assert process.running or process.ended, f'{process.name} ended: {process.stderr}'
         running = [process for process in self._started if process.running]
         for process in running:
             process.process.send_signal(signal.SIGINT)
@@ -164,18 +178,23 @@ class Ros:
             assert process.process.returncode == 0, process.stderr
             assert 'Traceback' not in process.stderr
 
-    def spin(self, timeout: float = 0.05) -> None:
+    def spin(self, timeout: float) -> None:
         """Let the test's node do one thing, or wait that long [s] for it."""
         self._executor.spin_once(timeout_sec=timeout)
 
-    def until(self, condition: Callable[[], Any], what: str) -> Any:
-        """Spin until ``condition`` gives something true, and return that."""
+    def until(self, condition: Callable[[], Any], what: str, patience: float = 0.02) -> Any:
+        """Spin until ``condition`` gives something true, and return that.
+
+        It is asked after each callback, or after ``patience`` [s] without one.
+        """
         deadline = time.monotonic() + DEADLINE
         while not (found := condition()):
-            if time.monotonic() > deadline:
-                said = '\n'.join(f'{p.name}: {p.stderr}' for p in self._started)
-                pytest.fail(f'waited {DEADLINE} s for {what}; the nodes said:\n{said}')
-            self.spin()
+            dead = [node.name for node in self._started if not (node.running or node.ended)]
+            if dead or time.monotonic() > deadline:
+                why = f'{dead} ended' if dead else f'{DEADLINE} s passed'
+                said = '\n'.join(f'{node.name}: {node.stderr}' for node in self._started)
+                pytest.fail(f'{why} while waiting for {what}; the nodes said:\n{said}')
+            self.spin(patience)
         return found
 
     def for_seconds(self, duration: float) -> None:
@@ -266,6 +285,11 @@ class Recording:
     def stamps(self) -> list[int]:
         """The stamps [ns], in the order of arrival."""
         return [stamp_ns(message) for message in self.messages]
+
+    @property
+    def latest_stamp(self) -> int:
+        """The stamp of the last message [ns], or 0 before the first."""
+        return stamp_ns(self.messages[-1]) if self.messages else 0
 
     def connected(self, publishers: int = 1) -> 'Recording':
         """Wait until the publishers are found."""

@@ -43,7 +43,7 @@ class Integration(Protocol):
     """Carry position and velocity, and how well they are known, from sample to sample.
 
     It begins at the origin at rest with the first sample, given to `start`; every other one goes
-    to `step`, or to `gap` where too much time has passed to integrate over.
+    to `step`, to `hold` while the body rests, or to `gap` where too much time has passed.
     """
 
     @property
@@ -59,6 +59,9 @@ class Integration(Protocol):
 
     def step(self, dt: float, reading: Reading) -> None:
         """Integrate over ``dt`` [s], which ends with this reading."""
+
+    def hold(self, dt: float, reading: Reading) -> None:
+        """Pass ``dt`` [s] in which the body rests: nothing moves, and nothing grows uncertain."""
 
     def gap(self, dt: float, reading: Reading) -> None:
         """Hold position and velocity over ``dt`` [s], and know them less well."""

@@ -18,7 +18,7 @@ from dead_reckoning.core.errors import DependencyError
 from dead_reckoning.core.integration import Reading
 from dead_reckoning.core.integration.settings import AXES, IntegratorSettings
 from dead_reckoning.core.rest import GRAVITY
-from dead_reckoning.core.samples import ZERO, Matrix, Vector
+from dead_reckoning.core.samples import Matrix, Vector
 
 try:
     from filterpy.kalman import KalmanFilter
@@ -84,33 +84,37 @@ class Kalman:
         self._filter.P[e, e] = self._settings.offset_deviation**2 * np.eye(6)
         self._filter.P[theta, theta] = np.reshape(reading.attitude_covariance, (3, 3))
         self._covariance = reading.attitude_covariance
-        self._resting = False
         self._moving = 0.0
         self._swing: Array = np.zeros((3, 3))
         self._arrive(reading)
 
     def step(self, dt: float, reading: Reading) -> None:
         """Integrate over ``dt`` [s], which ends with this reading."""
-        self._resting = self._resting and reading.kept_s == ZERO
         self._moving += dt
+        self._predict(dt, reading, held=False)
+
+    def hold(self, dt: float, reading: Reading) -> None:
+        """Pass ``dt`` [s] in which the body rests: nothing moves, only the errors are learnt."""
+        self._predict(dt, reading, held=True)
+
+    def _predict(self, dt: float, reading: Reading, held: bool) -> None:
         ahead, swing, accel = self._ahead, self._swing, self._accel
         self._arrive(reading)
         mean = 0.5 * (accel + self._accel)
         f, c, e, half = self._transition, self._c, self._e, 0.5 * dt
         f[c, e] = -dt * self._jacobian
         self._turn(f[c] @ self._filter.x + dt * mean)
-        if self._resting:
+        if held:
             f[self._p, 3:] = 0.0
         else:
             f[self._p, c] = half * (ahead + self._ahead)
             f[self._p, e] = half * self._ahead @ f[c, e]
             f[self._p, self._theta] += half * (swing + self._swing)
-        self._wander(dt, reading, self._noise(reading))
+        self._wander(dt, reading, self._noise(reading), held)
         self._filter.predict(mean, self._entry, f, self._process)
 
     def gap(self, dt: float, reading: Reading) -> None:
         """Hold position and velocity over ``dt`` [s], and know them less well."""
-        self._resting = False
         speed = np.linalg.norm(self._filter.x[self._c])
         f, p = self._transition, self._p
         f[self._c, self._e] = f[p, self._e] = 0.0
@@ -129,7 +133,6 @@ class Kalman:
         seen = np.zeros((m, len(self._filter.x)))
         seen[:, self._c] = np.eye(m)
         self._update(seen)
-        self._resting = True
 
     def stop_along(self, axes: Sequence[int], reading: Reading) -> None:
         """Take note that the velocity along some axes of the sensor is zero."""
@@ -169,11 +172,13 @@ class Kalman:
         if self._axis is not None:
             self._swing = cross_matrix(self._ahead @ speed)
 
-    def _wander(self, dt: float, reading: Reading, acceleration: Array) -> None:
+    def _wander(
+        self, dt: float, reading: Reading, acceleration: Array, held: bool = False
+    ) -> None:
         """Fill in how an acceleration enters, its covariance, shape (m, m), and what drifts."""
         entry, process, f = self._entry, self._process, self._transition
         entry[self._c] = dt * np.eye(len(self._accel))
-        entry[self._p] = 0.0 if self._resting else 0.5 * dt * self._ahead @ entry[self._c]
+        entry[self._p] = 0.0 if held else 0.5 * dt * self._ahead @ entry[self._c]
         process[:] = entry @ acceleration @ entry.T
         size = len(process)
         process.flat[(size - 3) * (size + 1) :: size + 1] += self._settings.bias_walk**2 * dt

@@ -71,6 +71,10 @@ class OpenLoop(ABC):
         )
         self._arrive(reading, accel_w)
 
+    def hold(self, dt: float, reading: Reading) -> None:
+        """Pass ``dt`` [s] in which the body rests: nothing moves, and nothing grows uncertain."""
+        self._arrive(reading, rotate(reading.rot_ws, reading.kept_s))
+
     def gap(self, dt: float, reading: Reading) -> None:
         """Hold position and velocity over ``dt`` [s], and know them less well."""
         self._growth.gap(

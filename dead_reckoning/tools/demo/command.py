@@ -22,8 +22,14 @@ START_DEADLINE = 30.0
 SILENCE = 10.0
 """How long [s] nothing may come once samples flow."""
 
-CHAIN = ('integrator', 'gravity_removal', 'accelerometer_driver')
-"""Nodes in the order they are started: who listens first."""
+MARGIN = 0.3
+"""How long [s] before the motion the estimate has to be there."""
+
+READY = 'ready'
+"""What the recorder says when the source may start."""
+
+ESTIMATORS = ('integrator', 'gravity_removal')
+DRIVER = 'accelerometer_driver'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -61,13 +67,17 @@ def run(case: Case) -> Recording:
     """
     surroundings = environment()
     domain = surroundings['ROS_DOMAIN_ID']
-    print(f'{case.title}: starting {len(CHAIN)} nodes on ROS_DOMAIN_ID {domain}', flush=True)
+    count = len(ESTIMATORS) + 1
+    print(f'{case.title}: starting {count} nodes on ROS_DOMAIN_ID {domain}', flush=True)
     with interruptible() as interruption, Nodes(surroundings) as nodes:
         output = nodes.start('recorder', {}, read=True)
-        for module in CHAIN:
+        for module in ESTIMATORS:
             nodes.start(module, case.parameters)
-        recording = parse(_collect(case, nodes, output.fileno(), interruption))
-    if recording.estimate.time[0] > 0.5 * _motion_start(case):
+        lines = Lines(output.fileno(), nodes, interruption)
+        lines.wait_until_ready()
+        nodes.start(DRIVER, case.parameters)
+        recording = parse(_collect(case, lines))
+    if recording.estimate.time[0] > _motion_start(case) - MARGIN:
         raise RecordingError(
             f'the estimate begins {recording.estimate.time[0]:.1f} s after the start, too close '
             'to the motion: the machine is too busy, run the demo again'
@@ -79,35 +89,55 @@ def _motion_start(case: Case) -> float:
     return float(case.parameters[f'driver.{case.parameters["driver.motion"]}.start'])
 
 
-def _collect(case: Case, nodes: Nodes, descriptor: int, interruption: Interruption) -> list[str]:
+class Lines:
+    """The lines that the recorder writes, as they come."""
+
+    def __init__(self, descriptor: int, nodes: Nodes, interruption: Interruption) -> None:
+        self._descriptor = descriptor
+        self._nodes = nodes
+        self._interruption = interruption
+        self._rest = b''
+
+    def wait_until_ready(self) -> None:
+        """Return once the recorder sees the estimators; raises `RecordingError` if it doesn't."""
+        deadline = time.monotonic() + START_DEADLINE
+        while READY not in self.read():
+            if time.monotonic() > deadline:
+                raise RecordingError(f'the nodes did not find each other in {START_DEADLINE:g} s')
+
+    def read(self) -> list[str]:
+        """Return the lines that came, none after a short while without.
+
+        Raises `NodeEndedError` if a node has ended, `KeyboardInterrupt` if a signal came.
+        """
+        self._interruption.check()
+        self._nodes.check()
+        if not select.select([self._descriptor], [], [], 0.1)[0]:
+            return []
+        read = self._rest + os.read(self._descriptor, 1 << 16)
+        *whole, self._rest = read.split(b'\n')
+        return [line.decode() for line in whole]
+
+
+def _collect(case: Case, lines: Lines) -> list[str]:
     """Read lines until the truth has reached the end of the case."""
-    lines: list[str] = []
-    rest = b''
+    collected: list[str] = []
     first_ns: int | None = None
-    deadline = time.monotonic() + START_DEADLINE
     reached = 0.0
+    deadline = time.monotonic() + START_DEADLINE
     progress = Progress()
     while reached < case.duration:
-        interruption.check()
-        nodes.check()
         if time.monotonic() > deadline:
-            raise RecordingError(
-                f'no samples for {SILENCE:g} s'
-                if first_ns
-                else 'the nodes did not find each other'
-            )
-        if not select.select([descriptor], [], [], 0.1)[0]:
-            continue
-        *whole, rest = (rest + os.read(descriptor, 1 << 16)).split(b'\n')
-        for line in (part.decode() for part in whole):
-            lines.append(line)
+            raise RecordingError(f'no samples came for {SILENCE:g} s')
+        for line in lines.read():
+            collected.append(line)
             topic, stamp_ns, _ = line.split(maxsplit=2)
             if topic == GROUND_TRUTH:
                 first_ns = int(stamp_ns) if first_ns is None else first_ns
                 reached = (int(stamp_ns) - first_ns) / NANOSECONDS
                 deadline = time.monotonic() + SILENCE
         progress.show(reached / case.duration)
-    return lines
+    return collected
 
 
 class Progress:

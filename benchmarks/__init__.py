@@ -1,0 +1,1 @@
+"""Measurements on recordings that others made; nothing here is installed."""

@@ -1,0 +1,38 @@
+"""What one recording showed: a table for people, figures for programs, a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+
+@dataclass
+class Report:
+    """What a benchmark found; ``faults`` say what must not be, and make the run fail."""
+
+    name: str
+    title: str
+    text: list[str] = field(default_factory=list)
+    figures: dict[str, Any] = field(default_factory=dict)
+    pictures: list[Path] = field(default_factory=list)
+    faults: list[str] = field(default_factory=list)
+
+    def add_table(self, caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+        """Add a table with a line above it that says what it holds."""
+        self.text.append(f'{caption}\n{table(head, rows)}')
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Lay a table out as text: the first column to the left, the others to the right."""
+    lines = [head, *rows] if any(head) else list(rows)
+    widths = [max(len(line[column]) for line in lines) for column in range(len(head))]
+    return '\n'.join(
+        '  '
+        + '  '.join(
+            cell.rjust(width) if column else cell.ljust(width)
+            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
+        ).rstrip()
+        for line in lines
+    )

@@ -1,0 +1,28 @@
+"""The executables of `ros2 run`: each runs the node of the module of its name.
+
+Nothing slow is imported here, so that `run` hears signals from the first moment on.
+"""
+
+from __future__ import annotations
+
+from dead_reckoning.nodes.run import run
+
+
+def accelerometer_driver() -> int:
+    """Run the node `accelerometer_driver`."""
+    return run('accelerometer_driver')
+
+
+def gravity_removal() -> int:
+    """Run the node `gravity_removal`."""
+    return run('gravity_removal')
+
+
+def integrator() -> int:
+    """Run the node `integrator`."""
+    return run('integrator')
+
+
+def pipeline() -> int:
+    """Run the node `pipeline`."""
+    return run('pipeline')

@@ -1,0 +1,178 @@
+"""The whole chain in one process: the same numbers as the chain itself, bit for bit."""
+
+import numpy as np
+import pytest
+from messages import GRAVITY, NANOSECONDS, START_NS, Feed, imu_message
+from nav_msgs.msg import Odometry
+from rclpy.qos import QoSDurabilityPolicy, QoSProfile
+from rclpy.serialization import serialize_message
+from ros_harness import DEEP, RELIABLE, lossless
+from sensor_msgs.msg import Imu
+
+from dead_reckoning.configuration import Configuration
+from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.gravity import GravitySettings
+from dead_reckoning.core.integrator import IntegratorSettings
+from dead_reckoning.core.pipeline import Pipeline
+from dead_reckoning.core.rotation import matrix_from_quaternion, normalized
+from dead_reckoning.core.stages import gravity_input
+from dead_reckoning.nodes import topics, wire
+
+RATE = 200.0
+STEP_NS = round(NANOSECONDS / RATE)
+TAKEN = {'rest': 'imu/data_raw', 'message': 'imu/data'}
+GIVEN = {
+    'rest': ['odom', 'imu/data', 'imu/linear_acceleration'],
+    'message': ['odom', 'imu/linear_acceleration'],
+}
+ALL_OF_IT = QoSProfile(depth=DEEP, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
+WARM_UP_NS = START_NS + 1_000 * NANOSECONDS
+"""Stamps before the real ones; the step back makes everything start anew."""
+
+
+def realistic_samples(seed=3):
+    """A rest, a walk of the attitude under random pushes, and what can go wrong between."""
+    random = np.random.default_rng(seed)
+    attitude = np.array([0.02, -0.03, 0.1, 1.0])
+    push = np.zeros(3)
+    stamp_ns = START_NS
+    for number in range(500):
+        stamp_ns += STEP_NS + int(random.integers(-100_000, 100_000))
+        moving = 130 <= number < 420
+        if moving:
+            attitude = attitude + 0.01 * random.standard_normal(4)
+            push = 0.9 * push + random.standard_normal(3)
+        else:
+            push = np.zeros(3)
+        # As many drivers hold it: not of unit length to the last bit.
+        orientation = np.float32(normalized(tuple(attitude.tolist())))
+        rot_ws = np.reshape(matrix_from_quaternion(tuple(orientation.tolist())), (3, 3))
+        force = rot_ws.T @ (push + np.array([0.0, 0.0, GRAVITY]))
+        force += 0.02 * random.standard_normal(3)
+        message = imu_message(stamp_ns, force, orientation, 'sensor')
+        match number:
+            case 200:
+                message.linear_acceleration.y = float('nan')
+            case 210:
+                message.linear_acceleration_covariance[4] = float('inf')
+            case 220:
+                message.orientation.w = float('nan')
+            case 230:
+                message.orientation_covariance[0] = -1.0
+            case 240:
+                message.linear_acceleration_covariance[:] = [0.0] * 9
+                message.orientation_covariance[:] = [0.0] * 9
+            case 250:
+                message.angular_velocity_covariance[0] = 1e-4
+                message.angular_velocity.z = 0.25
+            case 260:
+                message.header.stamp.sec -= 1  # late
+            case 270:
+                stamp_ns += 2 * NANOSECONDS  # and so a gap
+            case 280:
+                yield message  # twice
+        yield message
+
+
+@pytest.mark.parametrize(('attitude', 'executor'), [('rest', 'events'), ('message', 'single')])
+def test_pipeline_over_dds_equals_the_chain_called_directly(ros, attitude, executor):
+    taken, given = TAKEN[attitude], GIVEN[attitude]
+    settings = {'gravity.attitude': attitude, 'integrator.window_maximum': 0.07}
+    ros.start(
+        'pipeline',
+        {
+            **settings,
+            **lossless(*(f'/{topic}' for topic in [taken, *given, 'stationary'])),
+            'pipeline.source': 'topic',
+            'common.executor': executor,
+        },
+    )
+    configuration = Configuration(settings)
+    direct = Pipeline(
+        configuration[GravitySettings],
+        configuration[IntegratorSettings],
+        configuration[CommonSettings],
+        configuration[FrameSettings],
+    ).chain
+    assert gravity_input(attitude) == taken
+    spoken = topics.topics(configuration[FrameSettings])
+    recordings = {
+        topic: ros.record(topic, spoken[topic].message, raw=True).connected() for topic in given
+    }
+    stationary = ros.record('stationary', spoken['stationary'].message, ALL_OF_IT, raw=True)
+    publisher = ros.publisher(taken, Imu)
+    expected = {topic: [] for topic in [*given, 'stationary']}
+
+    def publish(message):
+        publisher.publish(message)
+        for topic, value in direct.push(taken, wire.decode_imu(serialize_message(message))):
+            if topic in expected:
+                expected[topic].append(spoken[topic].encode(value))
+
+    # Until the first outputs arrive, some may be lost: what counts comes after.
+    warm_up = Feed(
+        ros,
+        lambda stamp_ns: publish(imu_message(stamp_ns, (0, 0, GRAVITY), (0, 0, 0, 1))),
+        RATE,
+        WARM_UP_NS,
+    )
+    warm_up.send_until(lambda: stationary.messages and all(recordings.values()), 'outputs')
+    before = {topic: len(outputs) for topic, outputs in expected.items()}
+    for message in realistic_samples():
+        publish(message)
+    for topic in given:
+        wanted = expected[topic][before[topic] :]
+        assert len(wanted) > 300
+        recording = recordings[topic]
+        ros.until(lambda r=recording, w=wanted: w[-1] in r.messages, f'the last of {topic}')
+        assert recording.messages[-len(wanted) :] == wanted
+    assert len(expected['stationary']) >= 3
+    assert stationary.wait(len(expected['stationary'])) == expected['stationary']
+
+
+@pytest.fixture(scope='module')
+def sliding(module_ros):
+    """A pipeline with its own simulated sensor, over a slide."""
+    ros = module_ros
+    ros.start(
+        'pipeline',
+        {
+            **lossless('/odom', '/ground_truth/odom'),
+            'pipeline.source': 'simulated',
+            'driver.wait_for_subscribers': 1,
+            'driver.slide.start': 1.0,
+        },
+    )
+    odom = ros.record('odom', Odometry).connected()
+    truth = ros.record('ground_truth/odom', Odometry).connected()
+    ros.record('imu/data_raw', Imu)
+    truth.wait(1)
+    ros.until(lambda: truth.stamps[-1] - truth.stamps[0] > 2.5e9, 'the end of the slide')
+    ros.until(lambda: odom.stamps[-1] >= truth.stamps[0] + 2.5e9, 'the last odometry')
+    return odom, truth
+
+
+def test_pipeline_with_a_simulated_sensor_slides(sliding):
+    odom, truth = sliding
+    by_stamp = dict(zip(truth.stamps, truth.messages, strict=True))
+    end = odom.messages[-1]
+    assert by_stamp[odom.stamps[-1]].pose.pose.position.x == pytest.approx(0.5)
+    assert end.pose.pose.position.x == pytest.approx(0.5, abs=0.025)
+    assert end.pose.pose.position.y == pytest.approx(0.0, abs=0.025)
+    assert end.pose.pose.position.z == pytest.approx(0.0, abs=0.025)
+    assert end.header.frame_id == 'odom'
+    assert end.child_frame_id == 'base_link'
+
+
+@pytest.mark.parametrize('topic', ['imu/data_raw', 'imu/data', 'ground_truth/odom'])
+def test_topics_between_come_while_someone_subscribes(module_ros, sliding, topic):
+    odom, _ = sliding
+    message = Odometry if topic == 'ground_truth/odom' else Imu
+    for _ in range(2):
+        recording = module_ros.record(topic, message, RELIABLE)
+        first = recording.wait_next()
+        assert first.header.frame_id in ('odom', 'imu_link')
+        recording.wait(20)
+        odom.wait_next()
+        assert set(recording.stamps[5:-5]) <= set(odom.stamps)
+        recording.stop()
