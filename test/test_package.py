@@ -15,6 +15,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = 'dead_reckoning'
 IMPORTED_BY = {
+    'python3-filterpy-pip': 'filterpy',
     'python3-hypothesis': 'hypothesis',
     'python3-matplotlib': 'matplotlib',
     'python3-numpy': 'numpy',

@@ -21,7 +21,8 @@ from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import RecordingError
 from dead_reckoning.core.gravity import GravitySettings
-from dead_reckoning.core.integrator import Integrator, IntegratorSettings
+from dead_reckoning.core.integration.settings import IntegratorSettings
+from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import matrix_from_quaternion, rotate_back
 from dead_reckoning.core.samples import NANOSECONDS, ImuSample, NavigationState
