@@ -280,7 +280,7 @@ def test_descriptors_say_what_the_declaration_says(defaults):
     (reach,) = samples.integer_range
     assert (reach.from_value, reach.to_value, reach.step) == (1, 1_000_000, 1)
     assert method.type == ParameterType.PARAMETER_STRING
-    assert method.additional_constraints == "one of 'trapezoid', 'euler'"
+    assert method.additional_constraints == "one of 'trapezoid', 'euler', 'kalman'"
 
 
 def test_an_integer_is_taken_for_a_double_while_running(defaults):
