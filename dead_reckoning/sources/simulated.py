@@ -207,5 +207,5 @@ class SimulatedAccelerometer:
         if self._settings.sleep_until == 0.0:
             return output
         since = np.maximum(time - self._settings.sleep_until, 0.0)
-        settled = -np.expm1(-SETTLING / self._part.wake_time * since)
-        return output * settled[:, None]
+        settled: Array = -np.expm1(-SETTLING / self._part.wake_time * since)
+        return np.multiply(output, settled[:, None])

@@ -22,10 +22,10 @@ NUMBER = {
     'pipeline': ('driver.slide.duration', 'a finite number from 0.01 to 1000 [s]'),
 }
 CHOICE = {
-    'accelerometer_driver': ('driver.motion', "one of 'gait', 'lift', 'rest', 'slide'"),
-    'gravity_removal': ('gravity.attitude', "one of 'message', 'rest'"),
-    'integrator': ('integrator.method', "one of 'trapezoid', 'euler'"),
-    'pipeline': ('pipeline.source', "one of 'topic', 'simulated'"),
+    'accelerometer_driver': ('driver.motion', "'slide'"),
+    'gravity_removal': ('gravity.attitude', "'message'"),
+    'integrator': ('integrator.method', "'euler'"),
+    'pipeline': ('pipeline.source', "'topic'"),
 }
 MISSPELT = {
     'accelerometer_driver': ('driver.sample_rat', 'driver.sample_rate'),
