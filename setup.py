@@ -5,7 +5,14 @@ from glob import glob
 from setuptools import find_packages, setup
 
 PACKAGE = 'dead_reckoning'
-NODES = ('accelerometer_driver', 'gravity_removal', 'integrator', 'pedometer', 'pipeline')
+NODES = (
+    'accelerometer_driver',
+    'compass_driver',
+    'gravity_removal',
+    'integrator',
+    'pedometer',
+    'pipeline',
+)
 
 setup(
     name=PACKAGE,
@@ -17,7 +24,7 @@ setup(
     packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
     python_requires='>=3.10',
     # ROS itself is no pip requirement: it comes from the sourced installation.
-    install_requires=['matplotlib', 'numpy', 'PyYAML', 'rosbags'],
+    install_requires=['filterpy', 'matplotlib', 'numpy', 'PyYAML', 'rosbags'],
     extras_require={'test': ['hypothesis', 'pytest']},
     zip_safe=True,
     data_files=[

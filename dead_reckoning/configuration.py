@@ -15,15 +15,17 @@ import yaml
 
 from dead_reckoning.core import step_detectors
 from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.compass import CompassSettings
 from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.gravity import GravitySettings
-from dead_reckoning.core.integrator import IntegratorSettings
+from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.parameters import Settings, refuse_unknown
 from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import PipelineSettings
 from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
 from dead_reckoning.sources.simulated import SimulatedSettings
+from dead_reckoning.sources.simulated_compass import SimulatedCompassSettings
 from dead_reckoning.sources.simulated_gyroscope import GyroSettings
 
 SettingsType = TypeVar('SettingsType', bound=Settings)
@@ -39,6 +41,9 @@ DRIVER = (
 )
 """Parts of the accelerometer driver."""
 
+COMPASS = (CompassSettings, SimulatedCompassSettings)
+"""Parts of the compass driver."""
+
 PEDOMETER = (
     PedometerSettings,
     *(step_detectors.detector_class(name).Settings for name in step_detectors.names()),
@@ -47,6 +52,7 @@ PEDOMETER = (
 
 PARTS: tuple[type[Settings], ...] = (
     *DRIVER,
+    *COMPASS,
     GravitySettings,
     IntegratorSettings,
     *PEDOMETER,

@@ -21,12 +21,15 @@ from dead_reckoning.sources.driver_settings import DriverSettings
 
 DECLARED = [pytest.param(part, d, id=d.key) for part in PARTS for d in part.parameters()]
 WITHOUT_UNIT = {
+    'compass.simulated.iron',
     'driver.gait.stance',
     'driver.gyro.scale_error',
     'driver.simulated.cross_axis',
     'driver.simulated.nonlinearity',
     'driver.simulated.sensitivity_error',
     'driver.simulated.supply_error',
+    'driver.walk.asymmetry',
+    'integrator.scale_deviation',
     'pedometer.length_deviation',
     'pedometer.step_deviation',
 }
@@ -108,7 +111,7 @@ def test_values_reach_their_part():
             {'integrator.methode': 'euler'},
             "integrator.methode: no such parameter; did you mean 'integrator.method'?",
         ),
-        ({'xyzzy.q': 1}, 'xyzzy.q: no such parameter; known prefixes: common, driver, frames, '),
+        ({'xyzzy.q': 1}, 'xyzzy.q: no such parameter; known prefixes: common, compass, driver, '),
         ({'integrator.method': 'rk4'}, "integrator.method: 'rk4' is not allowed; one of "),
         ({'driver.slide.axis': True}, 'driver.slide.axis: True is not allowed; '),
         ({'frames.body': 'odom'}, 'frames.body: '),

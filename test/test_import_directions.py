@@ -54,8 +54,9 @@ ALLOWED_ROOMS = {
     'core': {'core'},
     'sources': {'core', 'sources'},
     'configuration': {'core', 'sources'},
-    'nodes': {'core', 'sources', 'configuration', 'nodes'},
-    'tools': {'core', 'sources', 'configuration', 'tools'},
+    'tables': {'core'},
+    'nodes': {'core', 'sources', 'configuration', 'tables', 'nodes'},
+    'tools': {'core', 'sources', 'configuration', 'tables', 'tools'},
 }
 
 
@@ -75,6 +76,7 @@ def may_import(room: str, top: str, is_package: bool = False) -> bool:
         'core': top in NUMERIC | {'numba'},
         'sources': top in NUMERIC | ONE_MODULE_EACH - {'numba'},
         'configuration': top == 'yaml',
+        'tables': False,
         'nodes': top in NUMERIC,
         'tools': top not in ONE_MODULE_EACH,
     }[room]

@@ -15,6 +15,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = 'dead_reckoning'
 IMPORTED_BY = {
+    'python3-filterpy-pip': 'filterpy',
     'python3-hypothesis': 'hypothesis',
     'python3-matplotlib': 'matplotlib',
     'python3-numpy': 'numpy',
@@ -124,6 +125,7 @@ def test_every_executable_is_a_function(setup_arguments):
     scripts = setup_arguments['entry_points']['console_scripts']
     assert {script.split(' = ')[0] for script in scripts} == {
         'accelerometer_driver',
+        'compass_driver',
         'gravity_removal',
         'integrator',
         'pedometer',

@@ -27,7 +27,8 @@ from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.chain import FAULT
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import RecordingError, UnpairedError
-from dead_reckoning.core.integrator import Integrator, IntegratorSettings
+from dead_reckoning.core.integration.settings import IntegratorSettings
+from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import ACCELERATION, IMU

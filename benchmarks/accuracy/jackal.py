@@ -20,7 +20,8 @@ from benchmarks.accuracy.signals import root_mean_square, rotations
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import RecordingError
-from dead_reckoning.core.integrator import Integrator, IntegratorSettings
+from dead_reckoning.core.integration.settings import IntegratorSettings
+from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import matrix_from_quaternion, rotate_back
 from dead_reckoning.core.samples import NANOSECONDS, ImuSample, NavigationState

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dead_reckoning.core.samples import Matrix, Vector
-
-Array = NDArray[np.float64]
+from dead_reckoning.core.acceleration_error import write_jacobian
+from dead_reckoning.core.samples import ZERO, Matrix, Vector
 
 FLOOR = 1e-9
 """Variance that is always there [m², m²/s²]: zero would read as unknown."""
@@ -40,25 +38,25 @@ class BiasGrowth:
         self._pp = self._pv = self._vv = 0.0
 
     def step(
-        self, dt: float, rot_ws: Matrix, force_w: Vector, attitude: Matrix, noise: Matrix
+        self,
+        dt: float,
+        rot_ws: Matrix,
+        force_w: Vector,
+        attitude: Matrix,
+        noise: Matrix,
+        velocity_w: Vector = ZERO,
     ) -> None:
         """Grow over one sample.
 
         ``dt`` [s]; ``force_w`` the specific force, shape (3,) [m/s²], world; ``attitude`` the
         covariance of the attitude, shape (3, 3) [rad²], world; ``noise`` that of the specific
-        force of one sample, shape (3, 3) [m²/s⁴].
+        force of one sample, shape (3, 3) [m²/s⁴]; ``velocity_w`` the velocity at the end of the
+        step, which matters only to a body that carries it along (`HeadingGrowth`).
         """
         if attitude is not self._attitude_covariance:
             self._attitude_covariance = attitude
             self._sigma[:3, :3] = np.reshape(attitude, (3, 3))
-        x, y, z = force_w
-        a, b, c, d, e, f, g, h, i = rot_ws
-        self._jacobian[:] = (
-            (0.0, z, -y, a, b, c), (-z, 0.0, x, d, e, f), (y, -x, 0.0, g, h, i),
-        )  # fmt: skip
-        if self._mask is not None:
-            rotation = np.reshape(rot_ws, (3, 3))
-            self._jacobian = rotation @ self._mask @ rotation.T @ self._jacobian
+        write_jacobian(self._jacobian, rot_ws, force_w, self._mask)
         rate = self._sensitivity[3:]
         self._sensitivity[:3] += dt * rate + (0.5 * dt * dt) * self._jacobian
         rate += dt * self._jacobian

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from concurrent.futures import Future
-from dataclasses import dataclass
-from math import isfinite, sqrt
+from math import isfinite
 
-from dead_reckoning.core.bias_growth import BiasGrowth
 from dead_reckoning.core.checks import require_finite_covariances
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import (
@@ -14,16 +12,15 @@ from dead_reckoning.core.errors import (
     MissingAttitudeError,
     NotAtRestError,
     NotFiniteError,
-    SettingsError,
     SupersededError,
 )
-from dead_reckoning.core.parameters import Settings, parameter
-from dead_reckoning.core.rest import GRAVITY, RestWindow
+from dead_reckoning.core.integration import Reading, integration
+from dead_reckoning.core.integration.settings import AXES, IntegratorSettings
+from dead_reckoning.core.rest import RestWindow
 from dead_reckoning.core.rotation import (
     isotropic,
     matrix_from_quaternion,
     normalized,
-    rotate,
     rotate_back,
 )
 from dead_reckoning.core.samples import (
@@ -39,96 +36,14 @@ from dead_reckoning.core.samples import (
 from dead_reckoning.core.stamps import Timeline
 from dead_reckoning.core.work import Work
 
-AXES = ('x', 'y', 'z')
-
-
-@dataclass(frozen=True, kw_only=True)
-class IntegratorSettings(Settings, prefix='integrator'):
-    """How `Integrator` integrates, and when it holds the body for resting."""
-
-    method: str = parameter(
-        'trapezoid',
-        'trapezoid (AN3397 and mbed, first order between samples) or euler (CH Robotics '
-        'section 3, the value before each step)',
-        choices=('trapezoid', 'euler'),
-    )
-    axes: tuple[str, ...] = parameter(
-        AXES, 'Axes of the sensor along which it moves; the others are held at zero', choices=AXES
-    )
-    window_minimum: float = parameter(
-        -0.05,
-        'Discrimination window: an acceleration along an axis of the sensor from window_minimum '
-        'to window_maximum counts as none',
-        unit='m/s²',
-        maximum=0.0,
-        mutable=True,
-    )
-    window_maximum: float = parameter(
-        0.05, 'Upper end of the discrimination window', unit='m/s²', minimum=0.0, mutable=True
-    )
-    movement_end: str = parameter(
-        'all',
-        'Movement-end check, which returns the velocity to zero: all (once all axes are quiet '
-        'together), each (axis by axis, as the documents do) or off',
-        choices=('all', 'each', 'off'),
-        mutable=True,
-    )
-    movement_end_samples: int = parameter(
-        25,
-        'Consecutive samples inside the window that end a movement',
-        minimum=1,
-        maximum=1_000_000,
-        mutable=True,
-    )
-    max_gap: float = parameter(
-        0.5,
-        'Longest time between samples that is integrated; over a longer one position and velocity '
-        'are held and uncertainty grows',
-        unit='s',
-        minimum=0.001,
-        maximum=60.0,
-    )
-    gap_acceleration: float = parameter(
-        1.0, 'One sigma of the acceleration that a gap may hide', unit='m/s²', minimum=0.0
-    )
-    offset_deviation: float = parameter(
-        0.01,
-        'One sigma of the constant offset that calibration leaves on an axis',
-        unit='m/s²',
-        minimum=0.0,
-    )
-    stationary_deviation: float = parameter(
-        0.01,
-        'One sigma of the velocity that the movement-end check may overlook',
-        unit='m/s',
-        minimum=0.0,
-    )
-    calibration_duration: float = parameter(
-        1.0, 'How long ~/calibrate averages', unit='s', minimum=0.05, maximum=600.0
-    )
-    calibration_deviation: float = parameter(
-        0.3,
-        'Largest standard deviation of an axis at which ~/calibrate still believes in rest',
-        unit='m/s²',
-        minimum=1e-6,
-        maximum=5.0,
-    )
-
-    def validate(self) -> None:
-        """Raise `SettingsError` where the window holds nothing but zero and the check needs it."""
-        if self.movement_end != 'off' and self.window_minimum == self.window_maximum:
-            raise SettingsError(
-                'integrator.window_maximum: 0.0 leaves the movement-end check nothing that counts '
-                'as quiet; widen the window or set integrator.movement_end to off'
-            )
-
 
 class Integrator:
     """Integrate linear acceleration to velocity and position, in the world.
 
-    AN3397 and the mbed tutorial: discrimination window, trapezoid twice, movement-end check; CH
-    Robotics section 3 for `euler`.  The window looks along the axes of the sensor, the integration
-    runs in the world; time steps come from the stamps.  docs/integrator.md derives it.
+    Here samples are checked, the calibrated offset is taken off, the discrimination window and the
+    movement-end check of AN3397 and the mbed tutorial look along the axes of the sensor; an
+    `Integration`, chosen by `integrator.method`, goes from acceleration to position.  Time steps
+    come from the stamps.  docs/integrator.md derives it.
 
     The first sample only sets the start.  A stale stamp is refused.  One that goes back by more
     than 1 s starts all over.  Over a gap nothing is integrated and the covariance grows.  A
@@ -137,6 +52,7 @@ class Integrator:
     """
 
     def __init__(self, settings: IntegratorSettings, common: CommonSettings):
+        """Raise `DependencyError` where the method needs a package that is not installed."""
         self.settings = settings
         self.offset: Vector = ZERO
         """Residual offset along the axes of the sensor, shape (3,) [m/s²], as calibrated."""
@@ -145,26 +61,17 @@ class Integrator:
         self._attitude_fallback = isotropic(common.attitude_deviation)
         self._noise_fallback = isotropic(common.noise_deviation)
         self._timeline = Timeline()
-        self._growth = BiasGrowth(
-            settings.offset_deviation, [axis in settings.axes for axis in AXES]
-        )
+        self._integration = integration(settings)
+        self._axes = [AXES.index(axis) for axis in settings.axes]
+        self._quiet = [0, 0, 0]
+        self._stationary = False
         self._calibration = Work()
         self._window: RestWindow | None = None
-        self.reset()
 
     def reset(self) -> None:
         """Return to the origin at rest; the calibrated offset and the settings stay."""
         self._timeline.reset()
-        self._start_over()
         self._give_up_calibration(SupersededError('a reset came meanwhile: ask again'))
-
-    def _start_over(self) -> None:
-        self._position: Vector = ZERO
-        self._velocity: Vector = ZERO
-        self._acceleration: Vector = ZERO
-        self._quiet = [0, 0, 0]
-        self._stationary = False
-        self._growth.reset()
 
     @property
     def restarts(self) -> int:
@@ -203,123 +110,93 @@ class Integrator:
         restarts = self._timeline.restarts
         step_ns = self._timeline.advance(imu.stamp_ns)
         if self._timeline.restarts != restarts:
-            self._start_over()
             self._give_up_calibration(NotAtRestError('the stamps went back meanwhile: ask again'))
-        rot_ws = matrix_from_quaternion(orientation)
-        accel_s = rotate_back(rot_ws, accel_w)
-        if self._window is not None:
-            self._calibrate_with(self._window, imu.stamp_ns, accel_s)
-        kept_w = rotate(rot_ws, self._discriminate(accel_s))
-        attitude_covariance = imu.orientation_covariance
-        if attitude_covariance == UNKNOWN:
-            attitude_covariance = self._attitude_fallback
-        if step_ns is not None:
-            dt = step_ns / NANOSECONDS
-            if dt > self.settings.max_gap:
-                self._pass_gap(dt)
-            elif not (self._stationary and self._is_held()):
-                noise = imu.specific_force_covariance
-                if noise == UNKNOWN or noise[0] < 0.0:  # unknown, or another device measured it
-                    noise = self._noise_fallback
-                self._growth.step(
-                    dt,
-                    rot_ws,
-                    (accel_w[0], accel_w[1], accel_w[2] + GRAVITY),
-                    attitude_covariance,
-                    noise,
-                )
-                self._integrate(dt, kept_w)
-        self._acceleration = kept_w
-        stationary = self._stationary = self._check_movement_end(rot_ws)
-        position_covariance, velocity_covariance = self._growth.covariances(
-            self.settings.stationary_deviation**2 if stationary else 0.0
-        )
+        reading = self._read(accel_w, matrix_from_quaternion(orientation), imu)
+        self._count_quiet(reading, step_ns)
+        if step_ns is None:
+            self._integration.start(reading)
+        elif step_ns > self.settings.max_gap * NANOSECONDS:
+            self.gaps += 1
+            self._integration.gap(step_ns / NANOSECONDS, reading)
+        elif self._stationary and len(self._ended()) == len(self._axes):
+            self._integration.hold(step_ns / NANOSECONDS, reading)
+        else:
+            self._integration.step(step_ns / NANOSECONDS, reading)
+        stationary = self._stationary = self._check_movement_end(reading)
+        position, velocity = self._integration.position, self._integration.velocity
+        position_covariance, velocity_covariance = self._integration.covariances(stationary)
+        scale_variance = self.settings.scale_deviation**2
         return NavigationState(
             imu.stamp_ns,
-            self._position,
-            self._velocity,
+            position,
+            velocity,
             orientation,
-            position_covariance,
-            velocity_covariance,
-            attitude_covariance,
+            _scaled(position_covariance, position, scale_variance),
+            _scaled(velocity_covariance, velocity, scale_variance),
+            reading.attitude_covariance,
             imu.angular_velocity,
             imu.angular_velocity_covariance,
             stationary,
         )
 
-    def _discriminate(self, accel_s: Vector) -> Vector:
-        settings = self.settings
-        kept = [0.0, 0.0, 0.0]
-        for index, axis in enumerate(AXES):
-            value = accel_s[index] - self.offset[index]
-            if axis not in settings.axes:
-                continue
-            if settings.window_minimum <= value <= settings.window_maximum:
-                self._quiet[index] += 1
+    def _read(self, accel_w: Vector, rot_ws: Matrix, imu: ImuSample) -> Reading:
+        measured_s = rotate_back(rot_ws, accel_w)
+        if self._window is not None:
+            self._calibrate_with(self._window, imu.stamp_ns, measured_s)
+        low, high = self.settings.window_minimum, self.settings.window_maximum
+        accel_s, kept_s = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+        for index in self._axes:
+            value = accel_s[index] = measured_s[index] - self.offset[index]
+            if not low <= value <= high:
+                kept_s[index] = value
+        attitude_covariance = imu.orientation_covariance
+        if attitude_covariance == UNKNOWN:
+            attitude_covariance = self._attitude_fallback
+        noise = imu.specific_force_covariance
+        if noise == UNKNOWN or noise[0] < 0.0:  # unknown, or another device measured it
+            noise = self._noise_fallback
+        return Reading(
+            rot_ws,
+            accel_w,
+            (accel_s[0], accel_s[1], accel_s[2]),
+            (kept_s[0], kept_s[1], kept_s[2]),
+            attitude_covariance,
+            noise,
+        )
+
+    def _count_quiet(self, reading: Reading, step_ns: int | None) -> None:
+        """Count the samples in a row that each axis has been inside the window."""
+        quiet = self._quiet
+        anew = step_ns is None or step_ns > self.settings.max_gap * NANOSECONDS
+        for index in self._axes:
+            if reading.kept_s[index] != 0.0:
+                quiet[index] = 0
             else:
-                self._quiet[index] = 0
-                kept[index] = value
-        return (kept[0], kept[1], kept[2])
+                quiet[index] = 1 if anew else quiet[index] + 1
 
-    def _integrate(self, dt: float, accel_w: Vector) -> None:
-        a, v, p = self._acceleration, self._velocity, self._position
-        if self.settings.method == 'trapezoid':
-            half = 0.5 * dt
-            velocity = (
-                v[0] + half * (a[0] + accel_w[0]),
-                v[1] + half * (a[1] + accel_w[1]),
-                v[2] + half * (a[2] + accel_w[2]),
-            )
-            self._position = (
-                p[0] + half * (v[0] + velocity[0]),
-                p[1] + half * (v[1] + velocity[1]),
-                p[2] + half * (v[2] + velocity[2]),
-            )
-        else:
-            velocity = (v[0] + dt * a[0], v[1] + dt * a[1], v[2] + dt * a[2])
-            self._position = (p[0] + dt * v[0], p[1] + dt * v[1], p[2] + dt * v[2])
-        self._velocity = velocity
+    def _ended(self) -> list[int]:
+        """List the axes of the sensor along which the movement has ended."""
+        if self.settings.movement_end == 'off':
+            return []
+        needed = self.settings.movement_end_samples
+        return [index for index in self._axes if self._quiet[index] >= needed]
 
-    def _pass_gap(self, dt: float) -> None:
-        self.gaps += 1
-        self._quiet = [min(quiet, 1) for quiet in self._quiet]
-        speed = sqrt(sum(v * v for v in self._velocity))
-        self._growth.gap(dt, speed, self.settings.gap_acceleration)
-
-    def _still(self) -> list[bool]:
-        settings = self.settings
-        needed = settings.movement_end_samples
-        return [self._quiet[AXES.index(axis)] >= needed for axis in settings.axes]
-
-    def _is_held(self) -> bool:
-        return self.settings.movement_end != 'off' and all(self._still())
-
-    def _check_movement_end(self, rot_ws: Matrix) -> bool:
-        settings = self.settings
-        still = self._still()
-        if settings.movement_end == 'off' or not any(still):
-            return False
-        if all(still):
-            self._velocity = ZERO
-            self._growth.stop()
+    def _check_movement_end(self, reading: Reading) -> bool:
+        ended = self._ended()
+        if len(ended) == len(self._axes):
+            self._integration.stop()
             return True
-        if settings.movement_end == 'each':
-            velocity_s = list(rotate_back(rot_ws, self._velocity))
-            for axis, ended in zip(settings.axes, still, strict=True):
-                if ended:
-                    index = AXES.index(axis)
-                    velocity_s[index] = 0.0
-                    self._growth.stop_along((rot_ws[index], rot_ws[3 + index], rot_ws[6 + index]))
-            self._velocity = rotate(rot_ws, (velocity_s[0], velocity_s[1], velocity_s[2]))
+        if ended and self.settings.movement_end == 'each':
+            self._integration.stop_along(ended, reading)
         return False
 
     def _give_up_calibration(self, error: DeadReckoningError) -> None:
         self._window = None
         self._calibration.fail(error)
 
-    def _calibrate_with(self, window: RestWindow, stamp_ns: int, accel_s: Vector) -> None:
+    def _calibrate_with(self, window: RestWindow, stamp_ns: int, measured_s: Vector) -> None:
         try:
-            rest = window.add(stamp_ns, accel_s)
+            rest = window.add(stamp_ns, measured_s)
         except NotAtRestError as error:
             self._give_up_calibration(error)
             return
@@ -328,3 +205,12 @@ class Integrator:
             self.offset = rest.mean
             said = ', '.join(f'{value:.4f}' for value in rest.mean)
             self._calibration.succeed(f'offset along x, y, z: {said} m/s²')
+
+
+def _scaled(covariance: Matrix, vector: Vector, variance: float) -> Matrix:
+    """Add to a covariance, shape (3, 3), that the whole vector may be too long or too short."""
+    x, y, z = vector
+    xx, xy, xz, _, yy, yz, _, _, zz = covariance
+    xy, xz, yz = xy + variance * x * y, xz + variance * x * z, yz + variance * y * z
+    xx, yy, zz = xx + variance * x * x, yy + variance * y * y, zz + variance * z * z
+    return (xx, xy, xz, xy, yy, yz, xz, yz, zz)

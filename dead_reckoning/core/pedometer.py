@@ -304,7 +304,7 @@ class Pedometer:
     def update(self, imu: ImuSample) -> list[PedometerState]:
         """Take one sample; return a state for each step it proves, and for the end of a walk.
 
-        A step is proven a tenth of a second and `reorder_time` after it ended, the first of a walk
+        A step is proven 0.15 s and `reorder_time` after it ended, the first of a walk
         together with the second.  Raises `SampleError` (not finite, no acceleration, stale stamp),
         and then nothing changed.
         """

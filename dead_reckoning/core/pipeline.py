@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from dead_reckoning.core.chain import Chain, Stage
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.gravity import GravityRemoval, GravitySettings
-from dead_reckoning.core.integrator import Integrator, IntegratorSettings
+from dead_reckoning.core.integration.settings import IntegratorSettings
+from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.parameters import Parts, Settings, parameter
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
 from dead_reckoning.core.stages import (
@@ -36,6 +38,16 @@ class PipelineSettings(Settings, prefix='pipeline'):
         'Estimators at the end of the chain: integrator, pedometer or both',
         choices=('integrator', 'pedometer'),
     )
+    log_csv: str = parameter(
+        '', 'File to log each state to, as text; empty for none. The mbed page logs such a file'
+    )
+    duration: float = parameter(
+        0.0,
+        'End after this time, by the stamps of the states; 0 for never. The mbed page ends after '
+        '15 s',
+        unit='s',
+        minimum=0.0,
+    )
 
 
 class Pipeline:
@@ -45,7 +57,8 @@ class Pipeline:
     does not come from elsewhere.
     """
 
-    def __init__(self, parts: Parts) -> None:
+    def __init__(self, parts: Parts, more: Iterable[Stage] = ()) -> None:
+        """``more`` are stages that stand at the end and take what they name."""
         estimators = parts[PipelineSettings].estimators
         common = parts[CommonSettings]
         self.gravity: GravityRemoval | None = None
@@ -73,4 +86,4 @@ class Pipeline:
             made = {IMU} if self.gravity is not None and taken != IMU else set()
             inputs += [name for name in pedometer_inputs(pedometer) if name not in made]
         self.inputs = tuple(dict.fromkeys(inputs))
-        self.chain = Chain(stages)
+        self.chain = Chain([*stages, *more])

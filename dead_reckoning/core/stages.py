@@ -13,11 +13,11 @@ from dead_reckoning.core.step_odometry import StepOdometry
 
 RAW = 'imu/data_raw'
 IMU = 'imu/data'
+COMPASS = 'compass/data'
 ACCELERATION = 'imu/linear_acceleration'
 ODOMETRY = 'odom'
 STATIONARY = 'stationary'
 GROUND_TRUTH = 'ground_truth/odom'
-COMPASS = 'compass/data'
 STEPS = 'pedometer/steps'
 DISTANCE = 'pedometer/distance'
 STEP_LENGTH = 'pedometer/step_length'

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dead_reckoning.core.chain import Chain
-from dead_reckoning.core.integrator import Integrator, IntegratorSettings
+from dead_reckoning.core.integration.settings import IntegratorSettings
+from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.stages import ACCELERATION, IMU, ODOMETRY, STATIONARY, integrator_stage
 from dead_reckoning.nodes import parameters
 from dead_reckoning.nodes.chain_node import ChainNode

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from dead_reckoning.configuration import DRIVER, PEDOMETER
+from dead_reckoning.core.chain import Stage
 from dead_reckoning.core.gravity import GravitySettings
-from dead_reckoning.core.integrator import IntegratorSettings
+from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.stages import (
     ACCELERATION,
@@ -19,6 +22,7 @@ from dead_reckoning.core.stages import (
 from dead_reckoning.nodes import gravity_removal, integrator, pedometer
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.simulated_driver import SimulatedDriver
+from dead_reckoning.tables import OdometryLog, stop_after
 
 
 class PipelineNode(ChainNode):
@@ -30,8 +34,10 @@ class PipelineNode(ChainNode):
     def __init__(self) -> None:
         parts = (PipelineSettings, *DRIVER, GravitySettings, IntegratorSettings, *PEDOMETER)
         super().__init__('pipeline', parts)
-        from_topic = self.configuration[PipelineSettings].source == 'topic'
-        pipeline = Pipeline(self.configuration)
+        self._log: OdometryLog | None = None
+        settings = self.configuration[PipelineSettings]
+        from_topic = settings.source == 'topic'
+        pipeline = Pipeline(self.configuration, self._ending(settings))
         inputs = [name for name in pipeline.inputs if from_topic or name == COMPASS]
         outputs: list[str] = []
         between: list[str] = []
@@ -62,6 +68,22 @@ class PipelineNode(ChainNode):
             pedometer.serve(
                 self, pipeline.pedometer, pipeline.step_odometry, calibrate='pedometer/calibrate'
             )
+
+    def _ending(self, settings: PipelineSettings) -> list[Stage]:
+        """Return the stages for `pipeline.log_csv` and `pipeline.duration`, if asked for."""
+        stages: list[Stage] = []
+        if settings.log_csv:
+            self._log = OdometryLog(Path(settings.log_csv).expanduser())
+            stages.append(self._log.stage())
+        if settings.duration > 0.0:
+            stages.append(stop_after(settings.duration, self.finish))
+        return stages
+
+    def destroy_node(self) -> None:
+        """Close the log, too."""
+        if self._log is not None:
+            self._log.close()
+        super().destroy_node()
 
 
 NODE = PipelineNode

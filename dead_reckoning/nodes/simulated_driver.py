@@ -49,8 +49,8 @@ class SimulatedDriver:
         per_message = self._settings.samples_per_message
         limit = max(per_message, int(CATCH_UP * self._settings.sample_rate))
         waiting = min(self._source.available(now_ns), limit)
-        for _ in range(waiting // per_message):
-            self._deliver(self._source, per_message)
+        if waiting >= per_message:
+            self._deliver(self._source, waiting - waiting % per_message)
 
     def _deliver(self, source: SimulatedAccelerometer, count: int) -> None:
         for sample in self.front_end.add(source.read(count)):

@@ -39,13 +39,13 @@ def topics(frames: FrameSettings) -> dict[str, Topic]:
     return {
         stages.RAW: imu,
         stages.IMU: imu,
+        stages.COMPASS: imu,
         stages.ACCELERATION: Topic(
             AccelWithCovarianceStamped, wire.encode_acceleration, wire.decode_acceleration
         ),
         stages.ODOMETRY: odometry,
         stages.GROUND_TRUTH: odometry,
         stages.STATIONARY: Topic(Bool, wire.encode_bool, latched=True),
-        stages.COMPASS: imu,
         stages.STEPS: Topic(UInt32, wire.encode_uint32, latched=True),
         stages.DISTANCE: number,
         stages.STEP_LENGTH: number,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import floor
 
@@ -146,6 +145,8 @@ class SimulatedAccelerometer:
         if part.ratiometric:  # the upper rail is the supply
             high = (high + part.swing_margin) * self._supply - part.swing_margin
         self._swing = (low, high) if settings.clip else (-np.inf, np.inf)
+        delay = settings.axis_delay
+        self._delays = (0.0, delay, 2.0 * delay) if delay else (0.0,)
         self._gyroscope = gyroscope
 
     def available(self, now_ns: int) -> int:
@@ -157,15 +158,13 @@ class SimulatedAccelerometer:
         """Return the next ``count`` conversions."""
         time = np.arange(self._taken, self._taken + count) / self._rate
         self._taken += count
-        truth, delay = self._motion.at(time), self._settings.axis_delay
-        moments = [
-            self._motion.at(time + axis * delay) if axis * delay else truth for axis in range(3)
-        ]
-        output = self._low_pass.filter(self._output(self._force(moments), time))
+        truth = self._motion.at(np.concatenate([time + delay for delay in self._delays]))
+        output = self._low_pass.filter(self._output(self._force(truth, count), time))
         if self._settings.noise:
             output = output + self._model.noise * self._random.standard_normal(output.shape)
         output = self._awake(np.clip(output, *self._swing), time)
-        rates = self._gyroscope.read(truth.angular_velocity) if self._gyroscope else None
+        gyroscope = self._gyroscope
+        rates = gyroscope.read(truth.angular_velocity[:count]) if gyroscope else None
         return Conversions(
             self._start_ns + np.round(time * NANOSECONDS).astype(np.int64),
             self._model.convert(output, quantise=self._settings.quantise),
@@ -176,16 +175,18 @@ class SimulatedAccelerometer:
         """Return where the body really is at a stamp."""
         return true_state(self._motion, self._rot_wt, stamp_ns, self._start_ns)
 
-    def _force(self, moments: Sequence[Kinematics]) -> Array:
+    def _force(self, truth: Kinematics, count: int) -> Array:
         """Return the specific force, shape (n, 3) [m/s²], frame s.
 
-        ``moments`` holds the truth at the conversions of x, of y and of z.
+        ``truth`` holds the moments of x, then those of y and of z if they differ.
         """
-        gravity_t = self._rot_wt.T @ np.array([0.0, 0.0, GRAVITY])
+        lifted = truth.acceleration + self._rot_wt.T @ np.array([0.0, 0.0, GRAVITY])
+        rotation = truth.rotation
+        moments = [slice(count * k, count * (k + 1)) for k in range(len(self._delays))]
         return np.column_stack(
             [
-                np.einsum('nj,nj->n', truth.rotation[:, :, axis], truth.acceleration + gravity_t)
-                for axis, truth in enumerate(moments)
+                np.einsum('nj,nj->n', rotation[moment, :, axis], lifted[moment])
+                for axis, moment in enumerate(moments * (3 // len(moments)))
             ]
         )
 
@@ -206,5 +207,5 @@ class SimulatedAccelerometer:
         if self._settings.sleep_until == 0.0:
             return output
         since = np.maximum(time - self._settings.sleep_until, 0.0)
-        settled = -np.expm1(-SETTLING / self._part.wake_time * since)
-        return output * settled[:, None]
+        settled: Array = -np.expm1(-SETTLING / self._part.wake_time * since)
+        return np.multiply(output, settled[:, None])

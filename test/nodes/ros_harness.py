@@ -33,7 +33,14 @@ DEADLINE = 30.0
 ROOT = str(Path(dead_reckoning.__file__).parents[1])
 """Where the package under test is imported from; its nodes shall come from there too."""
 
-NODES = ('accelerometer_driver', 'gravity_removal', 'integrator', 'pedometer', 'pipeline')
+NODES = (
+    'accelerometer_driver',
+    'compass_driver',
+    'gravity_removal',
+    'integrator',
+    'pedometer',
+    'pipeline',
+)
 EXECUTORS = ('events', 'single')
 
 DEEP = 5000

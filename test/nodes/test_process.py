@@ -3,6 +3,7 @@
 import signal
 import sys
 import time
+from itertools import cycle
 from pathlib import Path
 
 import pytest
@@ -48,12 +49,11 @@ def listens(node):
 
 
 @pytest.mark.skipif(sys.platform != 'linux', reason='only /proc tells when a process listens')
-@pytest.mark.parametrize('executor', EXECUTORS)
 @pytest.mark.parametrize('delay', DELAYS)
-def test_ctrl_c_while_it_starts_ends_a_node(domain_id, tmp_path, delay, executor):
+def test_ctrl_c_while_it_starts_ends_a_node(domain_id, tmp_path, delay):
     started = [
         NodeProcess(name, domain_id, tmp_path / name, {'common.executor': executor})
-        for name in NODES
+        for name, executor in zip(NODES, cycle(EXECUTORS))
     ]
     deadline = time.monotonic() + DEADLINE
     while not all(listens(node) for node in started):
@@ -61,6 +61,6 @@ def test_ctrl_c_while_it_starts_ends_a_node(domain_id, tmp_path, delay, executor
         time.sleep(0.001)
     time.sleep(delay)
     for count, node in enumerate(started):
-        signals = (signal.SIGINT,) * (1 + count % 2)
+        signals = (signal.SIGINT,) * (1 + count // 2)
         assert node.end(*signals) == 0, node.stderr
         assert node.stderr == ''

@@ -20,11 +20,10 @@ class BounceOfStep:
     the speed v₀, it is −v₀ times the step's duration.  Here it is taken from the sample of the
     step at which it comes out largest, as the hip is fastest there, so that a detector that cuts
     elsewhere at another pace does not change the length.  The equation does not say where to cut;
-    the listing cuts where its moving sum crosses, which costs it 20 % between 1.5 and 2.5 steps/s
-    of a simulated walk.
+    the listing cuts where its moving sum crosses.
 
-    k: 1.06 √m makes the simulated walk as long as it is, 1.0 to 1.1 straight walks with a sensor
-    on the lower back.  The listing has 0.0249, which is 1.47 √m if it means feet
+    k: 1.07 to 1.17 √m make the simulated walk as long as it is, 1.0 to 1.1 straight walks with a
+    sensor on the lower back.  The listing has 0.0249, which is 1.47 √m if it means feet
     (docs/pedometer.md).
     """
 

@@ -137,7 +137,7 @@ class Gait:
         way, side, height = part[:, 0], part[:, 1], part[:, 2]
         ahead = settings.stride_length * way - 0.6 * jolt
         up = settings.rise * way + (settings.clearance + max(settings.rise, 0.0)) * height
-        place = self._ahead[stride] * ahead[:, None]
+        place: Array = self._ahead[stride] * ahead[:, None]
         place += self._left[stride] * (settings.stride_length * side)[:, None]
         place[:, 2] = up + 0.8 * jolt
         return place

@@ -95,17 +95,23 @@ class Walk:
         self._heading = settings.heading
         self._roll = settings.roll
         self._length = settings.step_length
-        self._waves = _waves(settings)
+        # Each of shape (waves, 1), to be multiplied with moments along the second axis.
+        self._waves: Array = np.array(_waves(settings)).T[:, :, None]
 
     def at(self, time: Array) -> Kinematics:
         """Return the truth at ``time``, shape (n,) [s]."""
         phase, rate, push = self._phase.at(time)
+        channels, size, number, late = self._waves
+        angle = number * phase[:, 0] + late
+        sine, cosine = np.sin(angle), np.cos(angle)
         place, slope, curve = np.zeros((3, len(time), 6))
-        for channel, size, number, late in self._waves:
-            angle = number * phase[:, 0] + late
-            place[:, channel] += size * (np.sin(angle) - np.sin(late))
-            slope[:, channel] += size * number * np.cos(angle)
-            curve[:, channel] -= size * number**2 * np.sin(angle)
+        for sums, waves in (
+            (place, size * (sine - np.sin(late))),
+            (slope, size * number * cosine),
+            (curve, -size * number**2 * sine),
+        ):
+            for channel, wave in zip(channels[:, 0].astype(int), waves, strict=True):
+                sums[:, channel] += wave
         place[:, 0] += self._length * phase[:, 0]
         slope[:, 0] += self._length
         place[:, 3] += self._roll

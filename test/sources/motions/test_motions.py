@@ -14,7 +14,6 @@ VARIANTS = {
         {'strides': 3, 'stride_time': 0.7, 'stride_length': 2.4, 'stance': 0.2, 'pitch': 1.4},
     ],
     'lift': [{'height': -3.0}, {'height': 0.1}, {'height': 0.0}],
-    'rest': [],
     'slide': [{'distance': -2.0, 'axis': 'z'}],
     'square': [{'pause': 0.0}],
     'turntable': [{'angle': -2.0, 'rate': 3.0}, {'angle': 0.1}, {'radius': 0.0}],
@@ -30,7 +29,7 @@ VARIANTS = {
 CASES = [
     pytest.param((name, settings), id=f'{name} {settings}' if settings else name)
     for name in motions.names()
-    for settings in [{}, *VARIANTS[name]]
+    for settings in [{}, *VARIANTS.get(name, [])]
 ]
 
 
@@ -85,7 +84,7 @@ def test_nothing_jumps(body, part):
     """Over a fourth of the time the largest change is about a fourth."""
     changes = []
     for rate in (2000.0, 8000.0):
-        time = np.arange(2.0, min(body.duration + 0.5, 10.0), 1.0 / rate)
+        time = np.arange(0.0, min(body.duration + 0.5, 10.0), 1.0 / rate)
         changes.append(np.abs(np.diff(getattr(body.at(time), part), axis=0)).max())
     assert changes[1] <= 0.3 * changes[0] + 1e-12
 
