@@ -27,7 +27,7 @@ from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.chain import FAULT
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import RecordingError, UnpairedError
-from dead_reckoning.core.gravity import GravitySettings
+from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.pipeline import Pipeline

@@ -20,7 +20,7 @@ from benchmarks.accuracy.signals import root_mean_square, rotations
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import RecordingError
-from dead_reckoning.core.gravity import GravitySettings
+from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.pipeline import Pipeline

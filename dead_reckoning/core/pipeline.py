@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from dead_reckoning.core.chain import Chain, Stage
 from dead_reckoning.core.common import CommonSettings, FrameSettings
-from dead_reckoning.core.gravity import GravityRemoval, GravitySettings
+from dead_reckoning.core.gravity import GravityRemoval
+from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.parameters import Settings, parameter

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dead_reckoning.configuration import DRIVER
-from dead_reckoning.core.gravity import GravitySettings
+from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.stages import (
@@ -14,6 +14,7 @@ from dead_reckoning.core.stages import (
     RAW,
     STATIONARY,
     gravity_input,
+    gravity_inputs,
 )
 from dead_reckoning.nodes import gravity_removal, integrator
 from dead_reckoning.nodes.chain_node import ChainNode
@@ -34,7 +35,8 @@ class PipelineNode(ChainNode):
             self.common,
             self.frames,
         )
-        taken = gravity_input(configuration[GravitySettings].attitude)
+        attitude = configuration[GravitySettings].attitude
+        taken = gravity_input(attitude)
         from_topic = settings.source == 'topic'
         between = [ACCELERATION]
         if taken == RAW:
@@ -43,7 +45,7 @@ class PipelineNode(ChainNode):
             between += [RAW, GROUND_TRUTH]
         self.connect(
             parts_built.chain,
-            inputs=(taken,) if from_topic else (),
+            inputs=[name for name in gravity_inputs(attitude) if from_topic or name != taken],
             outputs=(ODOMETRY, STATIONARY, *between),
             on_demand=between,
         )

@@ -38,6 +38,7 @@ def topics(frames: FrameSettings) -> dict[str, Topic]:
     return {
         stages.RAW: imu,
         stages.IMU: imu,
+        stages.COMPASS: imu,
         stages.ACCELERATION: Topic(
             AccelWithCovarianceStamped, wire.encode_acceleration, wire.decode_acceleration
         ),
