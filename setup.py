@@ -5,7 +5,7 @@ from glob import glob
 from setuptools import find_packages, setup
 
 PACKAGE = 'dead_reckoning'
-NODES = ('accelerometer_driver', 'gravity_removal', 'integrator', 'pipeline')
+NODES = ('accelerometer_driver', 'compass_driver', 'gravity_removal', 'integrator', 'pipeline')
 
 setup(
     name=PACKAGE,

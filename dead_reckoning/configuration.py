@@ -14,6 +14,7 @@ from typing import Any, ClassVar, TypeVar
 import yaml
 
 from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.compass import CompassSettings
 from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
@@ -22,6 +23,8 @@ from dead_reckoning.core.pipeline import PipelineSettings
 from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
 from dead_reckoning.sources.simulated import SimulatedSettings
+from dead_reckoning.sources.simulated_compass import SimulatedCompassSettings
+from dead_reckoning.sources.simulated_gyroscope import GyroSettings
 
 SettingsType = TypeVar('SettingsType', bound=Settings)
 
@@ -31,12 +34,17 @@ COMMON = (CommonSettings, FrameSettings)
 DRIVER = (
     DriverSettings,
     SimulatedSettings,
+    GyroSettings,
     *(motions.motion_class(name).Settings for name in motions.names()),
 )
 """Parts of the accelerometer driver."""
 
+COMPASS = (CompassSettings, SimulatedCompassSettings)
+"""Parts of the compass driver."""
+
 PARTS: tuple[type[Settings], ...] = (
     *DRIVER,
+    *COMPASS,
     GravitySettings,
     IntegratorSettings,
     PipelineSettings,

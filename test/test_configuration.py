@@ -20,7 +20,17 @@ from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
 
 DECLARED = [pytest.param(part, d, id=d.key) for part in PARTS for d in part.parameters()]
-WITHOUT_UNIT = {'driver.simulated.sensitivity_error', 'integrator.scale_deviation'}
+WITHOUT_UNIT = {
+    'compass.simulated.iron',
+    'driver.gait.stance',
+    'driver.gyro.scale_error',
+    'driver.simulated.cross_axis',
+    'driver.simulated.nonlinearity',
+    'driver.simulated.sensitivity_error',
+    'driver.simulated.supply_error',
+    'driver.walk.asymmetry',
+    'integrator.scale_deviation',
+}
 """Real numbers that are ratios."""
 
 
@@ -99,7 +109,7 @@ def test_values_reach_their_part():
             {'integrator.methode': 'euler'},
             "integrator.methode: no such parameter; did you mean 'integrator.method'?",
         ),
-        ({'xyzzy.q': 1}, 'xyzzy.q: no such parameter; known prefixes: common, driver, frames, '),
+        ({'xyzzy.q': 1}, 'xyzzy.q: no such parameter; known prefixes: common, compass, driver, '),
         ({'integrator.method': 'rk4'}, "integrator.method: 'rk4' is not allowed; one of "),
         ({'driver.slide.axis': True}, 'driver.slide.axis: True is not allowed; '),
         ({'frames.body': 'odom'}, 'frames.body: '),

@@ -125,6 +125,7 @@ def test_every_executable_is_a_function(setup_arguments):
     scripts = setup_arguments['entry_points']['console_scripts']
     assert {script.split(' = ')[0] for script in scripts} == {
         'accelerometer_driver',
+        'compass_driver',
         'gravity_removal',
         'integrator',
         'pipeline',

@@ -55,11 +55,15 @@ class Accelerometer:
 
     def counts(self, output: Array, *, quantise: bool = True) -> Array:
         """Clip to the swing and convert, shape (n, 3); ``quantise`` off keeps the fractions."""
-        clipped = np.clip(output, *self.swing) / self.unit_per_count
+        return self.convert(np.clip(output, *self.swing), quantise=quantise)
+
+    def convert(self, output: Array, *, quantise: bool = True) -> Array:
+        """Do what the ADC does to an output, shape (n, 3) [unit], whatever its swing."""
+        counts = output / self.unit_per_count
         if quantise:
-            clipped = np.floor(clipped + 0.5)
-        counts: Array = np.clip(clipped, *self.limits)
-        return counts
+            counts = np.floor(counts + 0.5)
+        limited: Array = np.clip(counts, *self.limits)
+        return limited
 
     def force(self, counts: Array, zero_g: Array) -> Array:
         """Return the specific force, shape (n, 3) [m/s²], frame s, of counts, shape (n, 3).

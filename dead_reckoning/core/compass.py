@@ -1,72 +1,75 @@
-"""Keep the latest yaw of a compass, and say how far it can be believed."""
+"""What a compass says of the attitude: its headings as samples with a yaw."""
 
 from __future__ import annotations
 
-from math import isfinite
+from dataclasses import dataclass
+from math import pi, radians
 
-from dead_reckoning.core.errors import MissingAttitudeError, NotFiniteError
-from dead_reckoning.core.rotation import normalized, yaw_from_quaternion
-from dead_reckoning.core.samples import NANOSECONDS, UNKNOWN, ImuSample
-from dead_reckoning.core.stamps import RESTART_NS, Timeline
+from dead_reckoning.core.parameters import Settings, parameter
+from dead_reckoning.core.rotation import quaternion_from_euler
+from dead_reckoning.core.samples import (
+    NOT_MEASURED,
+    UNMEASURED_VARIANCE,
+    ZERO,
+    ImuSample,
+    Matrix,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompassSettings(Settings, prefix='compass'):
+    """A compass, and how well its headings are known."""
+
+    source: str = parameter('simulated', 'Where headings come from', choices=('simulated',))
+    rate: float = parameter(
+        20.0, 'Headings per second (HMC6352: 1, 5, 10 or 20)', unit='Hz',
+        minimum=0.1, maximum=1000.0,
+    )  # fmt: skip
+    noise: float = parameter(
+        radians(0.5), 'Noise of one heading, one sigma', unit='rad', minimum=0.0, maximum=1.0
+    )
+    resolution: float = parameter(
+        radians(0.1), 'Size of one count of the heading; 0 for no rounding', unit='rad',
+        minimum=0.0, maximum=1.0,
+    )  # fmt: skip
+    deviation: float = parameter(
+        radians(2.5), 'One sigma of what noise does not explain: iron nearby, tilt; HMC6352: 2.5°',
+        unit='rad', minimum=0.0, maximum=3.2,
+    )  # fmt: skip
+    declination: float = parameter(
+        0.0, 'How far magnetic north lies east of true north here; it is added to headings',
+        unit='rad', minimum=-3.2, maximum=3.2,
+    )  # fmt: skip
+    calibration_time: float = parameter(
+        15.0, 'How long a full turn may take when the compass is calibrated', unit='s',
+        minimum=0.5, maximum=600.0,
+    )  # fmt: skip
 
 
 class Compass:
-    """Hold each yaw until the next one comes.
+    """Turn headings, clockwise from magnetic north, into yaw, left-hand from east.
 
-    Between two messages the yaw is not interpolated, which would have to wait for the second, and
-    not extrapolated, which would double the noise.  For ``timeout`` [s] it is as good as its
-    message says; after that its deviation grows by ``turn_deviation`` [rad/s].  A stale or late
-    message is refused; stamps that go back by more than 1 s start anew.
+    ``yaw = π/2 − (heading + declination)``, with the variance
+    ``noise² + resolution²/12 + deviation²``.  Roll and pitch come with a huge variance, force and
+    rate as not measured.  Each heading stands alone: gaps and stale stamps are for who uses them.
     """
 
-    def __init__(self, timeout: float, turn_deviation: float, deviation: float) -> None:
-        """``deviation`` [rad] stands in for a variance that a message does not give."""
-        self._timeout = timeout
-        self._turn_deviation = turn_deviation
-        self._fallback = deviation**2
-        self.reset()
+    def __init__(self, settings: CompassSettings, frame_id: str) -> None:
+        """``frame_id`` of the sensor."""
+        self._declination = settings.declination
+        self._frame_id = frame_id
+        variance = settings.noise**2 + settings.resolution**2 / 12.0 + settings.deviation**2
+        huge = UNMEASURED_VARIANCE
+        self._covariance: Matrix = (huge, 0.0, 0.0, 0.0, huge, 0.0, 0.0, 0.0, variance)
 
-    def reset(self) -> None:
-        """Forget the yaw."""
-        self._timeline = Timeline()
-        self._last: tuple[int, float, float] | None = None
-        self.interval: float | None = None
-        """Time between the last two messages [s]; None while there is only one."""
-
-    def take(self, imu: ImuSample) -> None:
-        """Take a message, an Imu with an orientation.
-
-        Raises `SampleError`, and then the last yaw stays.
-        """
-        if imu.orientation is None:
-            raise MissingAttitudeError(
-                'compass/data carries no orientation: its yaw is all that is taken from it'
-            )
-        covariance = imu.orientation_covariance
-        yaw = yaw_from_quaternion(normalized(imu.orientation))
-        variance = self._fallback if covariance == UNKNOWN else covariance[8]
-        if not isfinite(variance) or variance < 0.0:
-            raise NotFiniteError(f'the variance of the yaw is {variance}: check the compass')
-        step_ns = self._timeline.advance(imu.stamp_ns)
-        self.interval = None if step_ns is None else step_ns / NANOSECONDS
-        self._last = (imu.stamp_ns, yaw, variance)
-
-    def age(self, stamp_ns: int) -> float | None:
-        """Return how old the yaw is at a stamp [s]; None where there is none of this run."""
-        if self._last is None or self._last[0] - stamp_ns > RESTART_NS:
-            return None  # a yaw from the future is one from before the stamps went back
-        return max(0, stamp_ns - self._last[0]) / NANOSECONDS
-
-    def stale(self, stamp_ns: int) -> bool:
-        """Say whether there was a yaw, and it is older than the timeout."""
-        age = self.age(stamp_ns)
-        return age is not None and age > self._timeout
-
-    def at(self, stamp_ns: int) -> tuple[float, float] | None:
-        """Return yaw [rad] and variance [rad²] at a stamp; None without a compass."""
-        age = self.age(stamp_ns)
-        if self._last is None or age is None:
-            return None
-        _, yaw, variance = self._last
-        grown = self._turn_deviation * max(0.0, age - self._timeout)
-        return yaw, variance + grown * grown
+    def sample(self, stamp_ns: int, heading: float) -> ImuSample:
+        """Return the sample of a heading [rad]."""
+        yaw = 0.5 * pi - (heading + self._declination)
+        return ImuSample(
+            stamp_ns,
+            self._frame_id,
+            ZERO,
+            NOT_MEASURED,
+            orientation=quaternion_from_euler(0.0, 0.0, yaw),
+            orientation_covariance=self._covariance,
+        )

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from dead_reckoning.core.accelerometer import Accelerometer
 from dead_reckoning.core.errors import CalibrationError, DeadReckoningError, NotAtRestError
+from dead_reckoning.core.gyroscope import Gyroscope
 from dead_reckoning.core.rest import GRAVITY
-from dead_reckoning.core.samples import ImuSample, Matrix, Vector
+from dead_reckoning.core.samples import UNKNOWN, ImuSample, Matrix, Vector
 from dead_reckoning.core.work import Work
 from dead_reckoning.core.zero_g import ZeroGCalibration
 
@@ -20,19 +21,45 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Conversions:
-    """Readings of an ADC: stamps, shape (n,) [ns], and counts, shape (n, 3), in order of time."""
+    """Readings of a sensor in order of time.
+
+    ``stamps_ns``, shape (n,) [ns]; ``counts`` of the accelerometer, shape (n, 3); ``rates`` of the
+    gyroscope, shape (n, 3) [rad/s], frame s, None where there is none.
+    """
 
     stamps_ns: NDArray[np.int64]
     counts: Array
+    rates: Array | None = None
+
+    def __len__(self) -> int:
+        return len(self.counts)
+
+    def part(self, start: int, stop: int | None = None) -> Conversions:
+        """Return those from ``start`` to before ``stop``."""
+        rates = None if self.rates is None else self.rates[start:stop]
+        return Conversions(self.stamps_ns[start:stop], self.counts[start:stop], rates)
+
+    def then(self, more: Conversions) -> Conversions:
+        """Return these with ``more`` after them, from the same sensor."""
+        if not len(self):
+            return more
+        rates = None
+        if self.rates is not None and more.rates is not None:
+            rates = np.concatenate((self.rates, more.rates))
+        return Conversions(
+            np.concatenate((self.stamps_ns, more.stamps_ns)),
+            np.concatenate((self.counts, more.counts)),
+            rates,
+        )
 
 
 class FrontEnd:
     """Average conversions into samples, stamped at the middle of their block, and calibrate.
 
     AN3397 averages 64 conversions into one.  Clipped conversions are counted, and the sample they
-    went into says so by its covariance: the range squared on that axis.  While the calibration at
-    the start runs, no sample comes out; if it fails, samples come with the nominal offsets and
-    ``finding`` says why.
+    went into says so by its covariance: the range squared on that axis; so for a gyroscope beside
+    the accelerometer.  While the calibration at the start runs, no sample comes out; if it fails,
+    samples come with the nominal offsets and ``finding`` says why.
     """
 
     def __init__(
@@ -44,12 +71,15 @@ class FrontEnd:
         calibration_samples: int,
         rest_deviation: float,
         calibrate_on_start: bool,
+        gyroscope: Gyroscope | None = None,
     ) -> None:
         self.model = model
         self.zero_g: Array = np.array(model.zero_g)
-        """Output at zero g in force, shape (3,) [V]."""
+        """Output at zero g in force, shape (3,) [unit of the output]."""
         self.clipped = 0
         """Conversions so far with an axis at the end of its range."""
+        self.saturated = 0
+        """Readings of the gyroscope so far with an axis at the end of its range."""
         self.finding: DeadReckoningError | None = None
         """Why the calibration at the start failed, for whoever reports it and clears it."""
         self._frame_id = frame_id
@@ -57,8 +87,8 @@ class FrontEnd:
         self._calibration_samples = calibration_samples
         self._rest_deviation = rest_deviation
         self._variance = model.variance(samples_per_message)
-        self._stamps_ns = np.empty(0, dtype=np.int64)
-        self._counts: Array = np.empty((0, 3))
+        self._gyroscope = gyroscope
+        self._left = Conversions(np.empty(0, dtype=np.int64), np.empty((0, 3)))
         self._work = Work()
         self._silent = calibrate_on_start
         self._calibration = self._new_calibration() if calibrate_on_start else None
@@ -80,29 +110,24 @@ class FrontEnd:
 
         However the conversions are cut into calls, the samples are the same.
         """
-        stamps_ns, counts = conversions.stamps_ns, conversions.counts
         calibration = self._calibration
         if calibration is None:
-            return self._average(stamps_ns, counts)
+            return self._average(conversions)
         needed = calibration.missing
-        calibration.add(counts[:needed])
-        samples = [] if self._silent else self._average(stamps_ns[:needed], counts[:needed])
+        calibration.add(conversions.counts[:needed])
+        samples = [] if self._silent else self._average(conversions.part(0, needed))
         if calibration.missing:
             return samples
         self._finish_calibration(calibration)
         self._silent = False
-        return samples + self._average(stamps_ns[needed:], counts[needed:])
+        return samples + self._average(conversions.part(needed))
 
-    def _average(self, stamps_ns: NDArray[np.int64], counts: Array) -> list[ImuSample]:
-        stamps_ns = np.concatenate((self._stamps_ns, stamps_ns))
-        counts = np.concatenate((self._counts, counts))
+    def _average(self, conversions: Conversions) -> list[ImuSample]:
+        waiting = self._left.then(conversions)
         n = self._per_message
-        whole = len(counts) // n * n
-        self._stamps_ns, self._counts = stamps_ns[whole:], counts[whole:]
-        return [
-            self._sample(stamps_ns[start : start + n], counts[start : start + n])
-            for start in range(0, whole, n)
-        ]
+        whole = len(waiting) // n * n
+        self._left = waiting.part(whole)
+        return [self._sample(waiting.part(start, start + n)) for start in range(0, whole, n)]
 
     def _finish_calibration(self, calibration: ZeroGCalibration) -> None:
         self._calibration = None
@@ -119,16 +144,41 @@ class FrontEnd:
             f'offset of x, y, z: {said} g; if gravity was taken from rest before, level again'
         )
 
-    def _sample(self, stamps_ns: NDArray[np.int64], counts: Array) -> ImuSample:
+    def _sample(self, block: Conversions) -> ImuSample:
+        counts, stamps_ns = block.counts, block.stamps_ns
         clipped = self.model.clipped(counts)
         variance = self._variance
         if clipped.any():
             self.clipped += int(clipped.any(axis=1).sum())
             limit = (self.model.range_g * GRAVITY) ** 2
             variance = np.where(clipped.any(axis=0), limit, variance)
-        x, y, z = variance.tolist()
-        covariance: Matrix = (x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z)
-        fx, fy, fz = self.model.force(counts.mean(axis=0), self.zero_g).tolist()
-        force: Vector = (fx, fy, fz)
-        stamp_ns = (int(stamps_ns[0]) + int(stamps_ns[-1])) // 2
-        return ImuSample(stamp_ns, self._frame_id, force, covariance)
+        rate, rate_covariance = self._rate(block.rates)
+        return ImuSample(
+            (int(stamps_ns[0]) + int(stamps_ns[-1])) // 2,
+            self._frame_id,
+            _vector(self.model.force(counts.mean(axis=0), self.zero_g)),
+            _diagonal(variance),
+            rate,
+            rate_covariance,
+        )
+
+    def _rate(self, rates: Array | None) -> tuple[Vector | None, Matrix]:
+        gyroscope = self._gyroscope
+        if rates is None or gyroscope is None:
+            return None, UNKNOWN
+        saturated = gyroscope.saturated(rates)
+        variance = np.full(3, gyroscope.variance(self._per_message))
+        if saturated.any():
+            self.saturated += int(saturated.any(axis=1).sum())
+            variance = np.where(saturated.any(axis=0), gyroscope.range**2, variance)
+        return _vector(rates.mean(axis=0)), _diagonal(variance)
+
+
+def _vector(array: Array) -> Vector:
+    x, y, z = array.tolist()
+    return (x, y, z)
+
+
+def _diagonal(variance: Array) -> Matrix:
+    x, y, z = variance.tolist()
+    return (x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z)

@@ -9,7 +9,7 @@ from math import isfinite
 from dead_reckoning.core.attitude import attitude_source
 from dead_reckoning.core.checks import require_finite_covariances
 from dead_reckoning.core.common import CommonSettings, FrameSettings
-from dead_reckoning.core.compass import Compass
+from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.errors import (
     DeadReckoningError,
     MissingAccelerationError,
@@ -78,7 +78,7 @@ class GravityRemoval:
         self._noise = isotropic(common.noise_deviation)
         self._timeline = Timeline()
         self._levelling = Work()
-        self._compass = Compass(
+        self._compass = CompassYaw(
             settings.compass_timeout, settings.turn_deviation, common.attitude_deviation
         )
         self._attitude = attitude_source(settings, common, self._compass)

@@ -18,7 +18,7 @@ class StampPairs(Generic[Left, Right]):
     ``limit`` samples wait on a side.
     """
 
-    def __init__(self, limit: int = 200) -> None:
+    def __init__(self, limit: int = 2000) -> None:
         self._limit = limit
         self._left: dict[int, Left] = {}
         self._right: dict[int, Right] = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from dead_reckoning.core.chain import Chain, Stage
@@ -27,6 +28,16 @@ class PipelineSettings(Settings, prefix='pipeline'):
     estimators: tuple[str, ...] = parameter(
         ('integrator',), 'Estimators at the end of the chain', choices=('integrator',)
     )
+    log_csv: str = parameter(
+        '', 'File to log each state to, as text; empty for none. The mbed page logs such a file'
+    )
+    duration: float = parameter(
+        0.0,
+        'End after this time, by the stamps of the states; 0 for never. The mbed page ends after '
+        '15 s',
+        unit='s',
+        minimum=0.0,
+    )
 
 
 class Pipeline:
@@ -38,8 +49,10 @@ class Pipeline:
         integrator: IntegratorSettings,
         common: CommonSettings,
         frames: FrameSettings,
+        more: Iterable[Stage] = (),
     ) -> None:
+        """``more`` are stages that stand at the end and take what they name."""
         self.gravity = GravityRemoval(gravity, common, frames)
         self.integrator = Integrator(integrator, common)
-        stages: list[Stage] = [gravity_stage(self.gravity), integrator_stage(self.integrator)]
-        self.chain = Chain(stages)
+        stages = [gravity_stage(self.gravity), integrator_stage(self.integrator)]
+        self.chain = Chain([*stages, *more])

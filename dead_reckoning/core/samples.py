@@ -25,8 +25,11 @@ IDENTITY: Matrix = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 UNKNOWN: Matrix = (0.0,) * 9
 """The covariance that says nothing (REP-145): unknown, never certain."""
 
+NOT_MEASURED: Matrix = (-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""The covariance of what the device does not measure (REP-145)."""
+
 UNMEASURED_VARIANCE = 1e6
-"""Variance in an Odometry of a rate that nothing measures: huge, as zero would mean certain."""
+"""Variance of what nothing measures, where a message can't say so: huge, as 0 means certain."""
 
 NANOSECONDS = 1_000_000_000
 

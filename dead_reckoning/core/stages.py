@@ -24,7 +24,7 @@ def gravity_input(attitude: str) -> str:
 
 
 def gravity_inputs(attitude: str) -> tuple[str, ...]:
-    """Name all topics that gravity removal takes: `gravity_input`, and where it helps a compass."""
+    """Name all topics that gravity removal takes: an Imu, and where it helps a compass."""
     taken = gravity_input(attitude)
     return (taken,) if taken == IMU else (taken, COMPASS)
 

@@ -49,6 +49,8 @@ class ChainNode(Node):
         self.common = self.configuration[CommonSettings]
         self.frames = self.configuration[FrameSettings]
         self._topics = topics(self.frames)
+        self.finished = False
+        """Whether the node has done what it was asked for and wants to end."""
         self._chain = Chain([])
         self._writers: dict[str, Callable[[Any], None]] = {}
         self._figures: list[Callable[[], Mapping[str, object]]] = []
@@ -108,6 +110,10 @@ class ChainNode(Node):
     def show(self, figures: Callable[[], Mapping[str, object]]) -> None:
         """Add figures to what /diagnostics shows."""
         self._figures.append(figures)
+
+    def finish(self) -> None:
+        """Ask to end: what this node was started for is done."""
+        self.finished = True
 
     def count_subscribers_of(self, name: str) -> int:
         """Return how many subscribers a topic has, by its name in the design."""

@@ -13,6 +13,11 @@ def accelerometer_driver() -> int:
     return run('accelerometer_driver')
 
 
+def compass_driver() -> int:
+    """Run the node `compass_driver`."""
+    return run('compass_driver')
+
+
 def gravity_removal() -> int:
     """Run the node `gravity_removal`."""
     return run('gravity_removal')

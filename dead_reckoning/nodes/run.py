@@ -65,7 +65,7 @@ def _spin(node: ChainNode, stop: _StopRequest) -> None:
     executor = _executor(node.common.executor)
     executor.add_node(node)
     try:
-        while not stop.asked:
+        while not (stop.asked or node.finished):
             # The events executor's own spin() hears neither signals nor a shutdown.
             executor.spin_once(timeout_sec=SPIN_TIMEOUT)
     finally:

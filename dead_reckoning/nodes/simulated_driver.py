@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from dead_reckoning.configuration import Configuration
-from dead_reckoning.core.front_end import FrontEnd
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import GROUND_TRUTH, RAW
 from dead_reckoning.nodes.chain_node import ChainNode
-from dead_reckoning.sources import motions
+from dead_reckoning.sources.driver import front_end, simulated_sensor
 from dead_reckoning.sources.driver_settings import DriverSettings
-from dead_reckoning.sources.simulated import SimulatedAccelerometer, SimulatedSettings
+from dead_reckoning.sources.simulated import SimulatedAccelerometer
 
 CATCH_UP = 1.0
 """Longest stretch [s] that is made up for at once when the clock leaps."""
@@ -30,33 +29,11 @@ class SimulatedDriver:
         self._settings = configuration[DriverSettings]
         self._source: SimulatedAccelerometer | None = None
         self._last_ns = 0
-        self.front_end = self._new_front_end()
+        self.front_end = front_end(self._configuration)
         period = self._settings.samples_per_message / self._settings.sample_rate
         node.create_timer(max(period, 0.001), self._tick)
         node.offer('calibrate', lambda: self.front_end.calibrate())
         node.show(self._figures)
-
-    def _new_front_end(self) -> FrontEnd:
-        settings = self._settings
-        return FrontEnd(
-            settings.model(),
-            frame_id=self._node.frames.sensor,
-            samples_per_message=settings.samples_per_message,
-            calibration_samples=settings.calibration_samples,
-            rest_deviation=settings.rest_deviation,
-            calibrate_on_start=settings.calibrate_on_start,
-        )
-
-    def _new_source(self, start_ns: int) -> SimulatedAccelerometer:
-        motion = motions.motion_class(self._settings.motion)
-        return SimulatedAccelerometer(
-            self._configuration[SimulatedSettings],
-            self._settings.part,
-            self._settings.model(),
-            motion(self._configuration[motion.Settings]),
-            self._settings.sample_rate,
-            start_ns,
-        )
 
     def _tick(self) -> None:
         now_ns = self._node.get_clock().now().nanoseconds
@@ -66,14 +43,14 @@ class SimulatedDriver:
             if self._node.count_subscribers_of(RAW) < self._settings.wait_for_subscribers:
                 return
             if self._source is not None:
-                self.front_end = self._new_front_end()
-            self._source = self._new_source(now_ns)
+                self.front_end = front_end(self._configuration)
+            self._source = simulated_sensor(self._configuration, now_ns)
         self._last_ns = now_ns
         per_message = self._settings.samples_per_message
         limit = max(per_message, int(CATCH_UP * self._settings.sample_rate))
         waiting = min(self._source.available(now_ns), limit)
-        for _ in range(waiting // per_message):
-            self._deliver(self._source, per_message)
+        if waiting >= per_message:
+            self._deliver(self._source, waiting - waiting % per_message)
 
     def _deliver(self, source: SimulatedAccelerometer, count: int) -> None:
         for sample in self.front_end.add(source.read(count)):
@@ -84,4 +61,7 @@ class SimulatedDriver:
             self._node.diagnostics.fault(finding)
 
     def _figures(self) -> Mapping[str, object]:
-        return {'clipped_conversions': self.front_end.clipped}
+        return {
+            'clipped_conversions': self.front_end.clipped,
+            'saturated_rates': self.front_end.saturated,
+        }

@@ -30,6 +30,7 @@ from dead_reckoning.core.rotation import (
 from dead_reckoning.core.samples import (
     IDENTITY_QUATERNION,
     NANOSECONDS,
+    NOT_MEASURED,
     UNKNOWN,
     UNMEASURED_VARIANCE,
     ZERO,
@@ -40,7 +41,6 @@ from dead_reckoning.core.samples import (
 )
 
 LITTLE_ENDIAN = b'\x00\x01\x00\x00'
-NOT_MEASURED: Matrix = (-1.0, *UNKNOWN[1:])
 
 _STAMP = Struct('<iII')  # sec, nanosec, length of the frame id with its zero byte
 _STAMP_AT = 4

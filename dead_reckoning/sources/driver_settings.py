@@ -112,19 +112,15 @@ class DriverSettings(Settings, prefix='driver'):
     def model(self) -> Accelerometer:
         """Return the sensor and its ADC as set."""
         part = self.part
-        scale = part.scale(self.supply)
-        half = 1 << (part.bits - 1) if part.bits else 0
+        limits = part.limits(self.range_g) if part.digital else (0.0, (1 << self.adc_bits) - 1.0)
+        swing = (part.swing_margin, self.supply - part.swing_margin)
         return Accelerometer(
             range_g=self.range_g,
             zero_g=self.zero_g,
             sensitivity=self.sensitivity,
-            zero_g_tolerance=part.zero_g_tolerance * scale,
+            zero_g_tolerance=part.zero_g_tolerance * part.scale(self.supply),
+            swing=limits if part.digital else swing,
             noise=self.noise,
-            swing=(
-                (-half, half - 1)
-                if part.bits
-                else (part.swing_margin, self.supply - part.swing_margin)
-            ),
-            unit_per_count=1.0 if part.bits else self.adc_reference / (1 << self.adc_bits),
-            limits=(-half, half - 1) if part.bits else (0.0, float((1 << self.adc_bits) - 1)),
+            unit_per_count=1.0 if part.digital else self.adc_reference / (1 << self.adc_bits),
+            limits=limits,
         )

@@ -9,21 +9,22 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-# Powers of τ in 0 … 1 whose value, slope and curvature at both ends are given: rows are the
-# coefficients of τ⁰ … τ⁵, columns (value, slope, curvature) at 0 and at 1.
-_HERMITE = np.linalg.inv(
-    np.array(
-        [
-            [1, 0, 0, 0, 0, 0],
-            [0, 1, 0, 0, 0, 0],
-            [0, 0, 2, 0, 0, 0],
-            [1, 1, 1, 1, 1, 1],
-            [0, 1, 2, 3, 4, 5],
-            [0, 0, 2, 6, 12, 20],
-        ],
-        dtype=float,
-    )
+# Coefficients of τ³, τ⁴, τ⁵, in this order, of the quintic on 0 … 1 with given ends; columns are
+# slope and half the curvature at 0, the way between the ends, slope and half the curvature at 1.
+_HERMITE = np.array(
+    [
+        [-6.0, -3.0, 10.0, -4.0, 1.0],
+        [8.0, 3.0, -15.0, 7.0, -2.0],
+        [-3.0, -1.0, 6.0, -3.0, 1.0],
+    ]
 )
+
+
+# Third and fourth derivative at 0 and at 1, in units of τ, as they follow from the same columns.
+_THIRD_AT_0 = 6.0 * _HERMITE[0]
+_THIRD_AT_1 = np.array([6.0, 24.0, 60.0]) @ _HERMITE
+_FOURTH_AT_0 = 24.0 * _HERMITE[1]
+_FOURTH_AT_1 = np.array([24.0, 120.0]) @ _HERMITE[1:]
 
 
 class Path:
@@ -49,17 +50,57 @@ class Path:
         h = np.diff(self.times)[:, None]
         ends = np.stack(
             [
-                value[:-1],
                 rate[:-1] * h,
-                push[:-1] * h**2,
-                value[1:],
+                0.5 * push[:-1] * h**2,
+                np.diff(value, axis=0),
                 rate[1:] * h,
-                push[1:] * h**2,
+                0.5 * push[1:] * h**2,
             ],
             axis=1,
         )
-        self._coefficients: Array = np.einsum('pe,kec->kpc', _HERMITE, ends)
+        self._coefficients: Array = np.concatenate(
+            [
+                np.stack([value[:-1], ends[:, 0], ends[:, 1]], axis=1),
+                np.einsum('pe,kec->kpc', _HERMITE, ends),
+            ],
+            axis=1,
+        )
         self._h: Array = h
+        self._end: Array = value[-1]
+
+    @classmethod
+    def of_least_jerk(cls, times: Sequence[float], values: ArrayLike) -> Path:
+        """Go through the knots, from rest to rest, with the least integral of squared jerk.
+
+        That is how hands go through points (Flash and Hogan 1985,
+        doi:10.1523/JNEUROSCI.05-07-01688.1985).  At the inner knots the third and the fourth
+        derivative are continuous too, which gives two equations for the rate and the acceleration
+        of each.
+        """
+        time, value = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+        h, way = np.diff(time), np.diff(value, axis=0)
+        inner = len(time) - 2
+        # Unknowns of knot k: rate and half the acceleration.
+        system = np.zeros((inner, 2, inner + 2, 2))
+        known = np.zeros((inner, 2, value.shape[1]))
+        for k in range(inner):
+            before, after = h[k], h[k + 1]
+            for row, (left, right) in enumerate(
+                ((_THIRD_AT_1, _THIRD_AT_0), (_FOURTH_AT_1, _FOURTH_AT_0))
+            ):
+                end, begin = left / before ** (3 + row), right / after ** (3 + row)
+                system[k, row, k] += end[0] * before, end[1] * before**2
+                system[k, row, k + 1] += end[3] * before, end[4] * before**2
+                system[k, row, k + 1] -= begin[0] * after, begin[1] * after**2
+                system[k, row, k + 2] -= begin[3] * after, begin[4] * after**2
+                known[k, row] = begin[2] * way[k + 1] - end[2] * way[k]
+        solved = np.linalg.solve(
+            system[:, :, 1:-1].reshape(2 * inner, 2 * inner),
+            known.reshape(2 * inner, value.shape[1]),
+        ).reshape(inner, 2, value.shape[1])
+        rates, accelerations = np.zeros_like(value), np.zeros_like(value)
+        rates[1:-1], accelerations[1:-1] = solved[:, 0], 2.0 * solved[:, 1]
+        return cls(times, value, rates, accelerations)
 
     def at(self, time: Array) -> tuple[Array, Array, Array]:
         """Return value, rate and acceleration at ``time``, shape (n,): each of shape (n, c)."""
@@ -75,24 +116,30 @@ class Path:
             curvature = curvature * tau + 2.0 * slope
             slope = slope * tau + value
             value = value * tau + c[:, power]
-        outside = ((time < self.times[0]) | (time > self.times[-1]))[:, None]
-        return value, np.where(outside, 0.0, slope / h), np.where(outside, 0.0, curvature / h**2)
+        over = (time >= self.times[-1])[:, None]
+        outside = over | (time < self.times[0])[:, None]
+        return (
+            np.where(over, self._end, value),
+            np.where(outside, 0.0, slope / h),
+            np.where(outside, 0.0, curvature / h**2),
+        )
 
 
 def ramp(start: float, end: float, speed: float, ramp_time: float, begin: float = 0.0) -> Path:
     """Go from ``start`` to ``end`` at ``speed``, with smooth ramps of ``ramp_time`` [s].
 
-    The path has one channel and begins to move at ``begin`` [s].
+    The path has one channel and begins to move at ``begin`` [s].  On a way too short to reach the
+    speed the ramps meet at a lower one.
     """
     way = end - start
-    sign = 1.0 if way >= 0.0 else -1.0
     # A quintic that goes from rest to a speed in a time covers half of speed · time.
-    ramp_time = min(ramp_time, abs(way) / speed)
-    cruise = abs(way) / speed - ramp_time
-    part = sign * speed * ramp_time / 2.0
+    reached = min(speed, abs(way) / ramp_time)
+    rate = float(np.copysign(reached, way))
+    cruise = abs(way) / reached - ramp_time if reached == speed else 0.0
+    part = rate * ramp_time / 2.0
     times = [begin, begin + ramp_time, begin + ramp_time + cruise, begin + 2 * ramp_time + cruise]
     values = [start, start + part, end - part, end]
-    rates = [0.0, sign * speed, sign * speed, 0.0]
+    rates = [0.0, rate, rate, 0.0]
     if cruise < 1e-9:
         del times[2], values[2], rates[2]
     return Path(times, np.array(values)[:, None], np.array(rates)[:, None])

@@ -16,6 +16,8 @@ from dead_reckoning.core.rotation import matrix_from_quaternion, quaternion_from
 from dead_reckoning.core.samples import NANOSECONDS, NavigationState
 from dead_reckoning.core.sensors import Part
 from dead_reckoning.sources.motions import Kinematics, Motion
+from dead_reckoning.sources.one_pole import OnePole
+from dead_reckoning.sources.simulated_gyroscope import SimulatedGyroscope
 from dead_reckoning.sources.truth import true_state
 
 Array = NDArray[np.float64]
@@ -27,6 +29,7 @@ class SimulatedSettings(Settings, prefix='driver.simulated'):
 
     seed: int = parameter(1, 'Seed of the noise', minimum=0)
     noise: bool = parameter(True, 'Whether it has the noise that driver.noise says')
+    clip: bool = parameter(True, 'Whether its output stops at the ends of the swing')
     quantise: bool = parameter(True, 'Whether it rounds to whole counts')
     offset: tuple[float, float, float] = parameter(
         (0.3, -0.2, 0.4), 'Offset of x, y, z at zero g', unit='m/s²',
@@ -55,8 +58,12 @@ class SimulatedSettings(Settings, prefix='driver.simulated'):
         minimum=-60.0, maximum=150.0,
     )  # fmt: skip
     warming: float = parameter(
-        0.0, 'How fast the temperature changes', unit='K/s', minimum=-10.0, maximum=10.0
+        0.0, 'How much warmer it gets once it runs', unit='K', minimum=-100.0, maximum=100.0
     )
+    warming_time: float = parameter(
+        60.0, 'Time in which it has got warmer by 63 % of that', unit='s',
+        minimum=0.1, maximum=100_000.0,
+    )  # fmt: skip
     low_pass: bool = parameter(True, "Whether it has the sensor's low-pass")
     axis_delay: float = parameter(
         0.00002, 'Time from the conversion of x to that of y, and of y to that of z', unit='s',
@@ -76,6 +83,7 @@ class SimulatedSettings(Settings, prefix='driver.simulated'):
         """Return the settings of a sensor without faults."""
         return cls(
             noise=False,
+            clip=False,
             quantise=False,
             offset=(0.0,) * 3,
             sensitivity_error=(0.0,) * 3,
@@ -87,14 +95,21 @@ class SimulatedSettings(Settings, prefix='driver.simulated'):
 
 
 REFERENCE_TEMPERATURE = 25.0
+"""At which the data sheets state offset and sensitivity [°C]."""
+
+BENDING = 2.0
+"""Full scales up to which the characteristic bends, so that it rises everywhere."""
+
+SETTLING = 5.0
+"""Time constants in the wake time of a sensor: it has settled to 0.7 % then."""
 
 
 class SimulatedAccelerometer:
     """Read a sensor that moves: conversion k happens ``k / sample_rate`` after the start.
 
     The force passes, in this order: misalignment and cross-axis sensitivity; scale, nonlinearity,
-    offset and their drift; supply; low-pass; noise; sleep; the swing and the ADC.  The same
-    settings and seed give the same counts, however they are read in pieces.
+    offset and their drift; supply; low-pass; noise; swing; sleep; ADC (docs/simulator.md).  The
+    same settings and seed give the same counts, however they are cut into calls.
     """
 
     def __init__(
@@ -105,8 +120,12 @@ class SimulatedAccelerometer:
         motion: Motion,
         sample_rate: float,
         start_ns: int = 0,
+        gyroscope: SimulatedGyroscope | None = None,
     ) -> None:
-        """``sample_rate`` [Hz]; ``start_ns`` the stamp at which the motion begins."""
+        """``sample_rate`` [Hz]; ``start_ns`` the stamp at which the motion begins.
+
+        A ``gyroscope`` is read in the moment of each conversion of x.
+        """
         self._settings = settings
         self._part = part
         self._model = model
@@ -120,12 +139,15 @@ class SimulatedAccelerometer:
         )
         a, b, c, d, e, f = settings.cross_axis
         self._mixing: Array = np.array([[1.0, a, b], [c, 1.0, d], [e, f, 1.0]])
-        # What the low-pass forgets from one conversion to the next, per axis.
-        corner = np.array(part.low_pass) if settings.low_pass else np.zeros(3)
-        self._memory: Array = np.where(
-            corner > 0.0, np.exp(-2.0 * np.pi * corner / sample_rate), 0
-        )
-        self._filtered: Array | None = None
+        self._low_pass = OnePole(part.low_pass if settings.low_pass else (0.0,) * 3, sample_rate)
+        self._supply = 1.0 + settings.supply_error if part.ratiometric else 1.0
+        low, high = model.swing
+        if part.ratiometric:  # the upper rail is the supply
+            high = (high + part.swing_margin) * self._supply - part.swing_margin
+        self._swing = (low, high) if settings.clip else (-np.inf, np.inf)
+        delay = settings.axis_delay
+        self._delays = (0.0, delay, 2.0 * delay) if delay else (0.0,)
+        self._gyroscope = gyroscope
 
     def available(self, now_ns: int) -> int:
         """Return how many conversions have happened by ``now_ns`` and were not read yet."""
@@ -136,57 +158,54 @@ class SimulatedAccelerometer:
         """Return the next ``count`` conversions."""
         time = np.arange(self._taken, self._taken + count) / self._rate
         self._taken += count
-        output = self._low_passed(self._output(self._force(time), time))
+        truth = self._motion.at(np.concatenate([time + delay for delay in self._delays]))
+        output = self._low_pass.filter(self._output(self._force(truth, count), time))
         if self._settings.noise:
             output = output + self._model.noise * self._random.standard_normal(output.shape)
-        counts = self._model.counts(self._awake(output, time), quantise=self._settings.quantise)
-        return Conversions(self._start_ns + np.round(time * NANOSECONDS).astype(np.int64), counts)
+        output = self._awake(np.clip(output, *self._swing), time)
+        gyroscope = self._gyroscope
+        rates = gyroscope.read(truth.angular_velocity[:count]) if gyroscope else None
+        return Conversions(
+            self._start_ns + np.round(time * NANOSECONDS).astype(np.int64),
+            self._model.convert(output, quantise=self._settings.quantise),
+            rates,
+        )
 
     def truth(self, stamp_ns: int) -> NavigationState:
         """Return where the body really is at a stamp."""
         return true_state(self._motion, self._rot_wt, stamp_ns, self._start_ns)
 
-    def _force(self, time: Array) -> Array:
-        """Return the specific force, shape (n, 3) [m/s²], each axis at its own moment."""
-        delay = self._settings.axis_delay
-        if delay == 0.0:
-            return self._force_of(self._motion.at(time))
-        parts = [self._force_of(self._motion.at(time + k * delay))[:, k] for k in range(3)]
-        return np.column_stack(parts)
+    def _force(self, truth: Kinematics, count: int) -> Array:
+        """Return the specific force, shape (n, 3) [m/s²], frame s.
 
-    def _force_of(self, truth: Kinematics) -> Array:
-        gravity_t = self._rot_wt.T @ np.array([0.0, 0.0, GRAVITY])
-        force: Array = np.einsum('nji,nj->ni', truth.rotation, truth.acceleration + gravity_t)
-        return force
+        ``truth`` holds the moments of x, then those of y and of z if they differ.
+        """
+        lifted = truth.acceleration + self._rot_wt.T @ np.array([0.0, 0.0, GRAVITY])
+        rotation = truth.rotation
+        moments = [slice(count * k, count * (k + 1)) for k in range(len(self._delays))]
+        return np.column_stack(
+            [
+                np.einsum('nj,nj->n', rotation[moment, :, axis], lifted[moment])
+                for axis, moment in enumerate(moments * (3 // len(moments)))
+            ]
+        )
 
     def _output(self, force_s: Array, time: Array) -> Array:
+        """Return the output of the sensor, shape (n, 3) [unit], before its low-pass."""
         settings, part, model = self._settings, self._part, self._model
-        warmer = settings.temperature + settings.warming * time - REFERENCE_TEMPERATURE
-        warmer = warmer[:, None]
+        warmed = -settings.warming * np.expm1(-time / settings.warming_time)
+        warmer = (settings.temperature + warmed - REFERENCE_TEMPERATURE)[:, None]
         scale = 1.0 + np.array(settings.sensitivity_error) + part.sensitivity_drift * warmer
-        seen = force_s @ self._mixing.T * scale
-        full = model.range_g * GRAVITY
-        seen = seen + settings.nonlinearity * seen * np.abs(seen) / full
+        seen = np.einsum('nj,kj->nk', force_s, self._mixing) * scale
+        share = np.minimum(np.abs(seen) / (model.range_g * GRAVITY), BENDING)
+        seen = seen * (1.0 + settings.nonlinearity * share)
         seen = seen + np.array(settings.offset) + part.offset_drift * GRAVITY * warmer
-        supply = 1.0 + settings.supply_error if part.ratiometric else 1.0
-        return model.output(seen) * supply
-
-    def _low_passed(self, output: Array) -> Array:
-        if not self._memory.any() or not len(output):
-            return output
-        state = output[0] if self._filtered is None else self._filtered
-        filtered = np.empty_like(output)
-        for k, now in enumerate(output):
-            state = now + self._memory * (state - now)
-            filtered[k] = state
-        self._filtered = state
-        return filtered
+        return model.output(seen) * self._supply
 
     def _awake(self, output: Array, time: Array) -> Array:
         """Return the output of a sensor that sleeps, at zero, and settles once it is woken."""
-        since = time - self._settings.sleep_until
-        if since[0] > 20.0 * self._part.wake_time or self._settings.sleep_until == 0.0:
+        if self._settings.sleep_until == 0.0:
             return output
-        risen = np.where(since > 0.0, 1.0 - np.exp(-5.0 * since / self._part.wake_time), 0.0)
-        woken: Array = output * risen[:, None]
-        return woken
+        since = np.maximum(time - self._settings.sleep_until, 0.0)
+        settled: Array = -np.expm1(-SETTLING / self._part.wake_time * since)
+        return np.multiply(output, settled[:, None])

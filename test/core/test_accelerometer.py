@@ -3,27 +3,28 @@
 import numpy as np
 import pytest
 
-from dead_reckoning.core.accelerometer import AnalogAccelerometer
+from dead_reckoning.core.accelerometer import Accelerometer
 from dead_reckoning.core.rest import GRAVITY
-from dead_reckoning.core.sensors import mma7260qt
+from dead_reckoning.core.sensors.mma7260qt import PART
 
 RANGES = (1.5, 2.0, 4.0, 6.0)
 BITS = (8, 10, 12, 16)
 TABLE = [(range_g, bits) for range_g in RANGES for bits in BITS]
 
 
-def sensor(range_g=1.5, bits=12, supply=3.3, **kwargs):
+def sensor(range_g=1.5, bits=12, supply=3.3, reference=3.3, **kwargs):
+    scale = PART.scale(supply)
     settings = {
         'range_g': range_g,
-        'zero_g': (supply / 2.0,) * 3,
-        'sensitivity': (mma7260qt.sensitivity(range_g, supply),) * 3,
-        'zero_g_tolerance': mma7260qt.zero_g_tolerance(supply),
-        'swing': (mma7260qt.SWING_MARGIN, supply - mma7260qt.SWING_MARGIN),
-        'noise': mma7260qt.NOISE,
-        'reference': 3.3,
-        'bits': bits,
+        'zero_g': (PART.zero_g * scale,) * 3,
+        'sensitivity': (PART.ranges[range_g] * scale,) * 3,
+        'zero_g_tolerance': PART.zero_g_tolerance * scale,
+        'swing': (PART.swing_margin, supply - PART.swing_margin),
+        'noise': PART.noise,
+        'unit_per_count': reference / (1 << bits),
+        'limits': (0.0, (1 << bits) - 1.0),
     }
-    return AnalogAccelerometer(**(settings | kwargs))
+    return Accelerometer(**(settings | kwargs))
 
 
 @pytest.mark.parametrize(('bits', 'mg'), [(8, 16.1), (10, 4.03), (12, 1.01), (16, 0.063)])
@@ -45,7 +46,7 @@ def test_count_grows_with_the_range(range_g, share):
 def test_swing_clips_outside_the_nominal_range(range_g, limit, sign):
     model = sensor(range_g, 16)
     inside, outside = (
-        model.counts(model.volts(np.full((1, 3), sign * share * limit * GRAVITY)))
+        model.counts(model.output(np.full((1, 3), sign * share * limit * GRAVITY)))
         for share in (0.999, 1.5)
     )
     assert not model.clipped(inside).any()
@@ -59,7 +60,7 @@ def test_round_trip_stays_within_half_a_count(range_g, bits):
     model = sensor(range_g, bits)
     random = np.random.default_rng(bits)
     force = random.uniform(-range_g, range_g, (1000, 3)) * GRAVITY
-    counts = model.counts(model.volts(force))
+    counts = model.counts(model.output(force))
     error = np.abs(model.force(counts, np.array(model.zero_g)) - force)
     assert (error <= 0.5 * model.force_per_count * (1.0 + 1e-9)).all()
     assert error.max() > 0.4 * model.force_per_count.max(), 'it does round'
@@ -70,13 +71,13 @@ def test_round_trip_stays_within_half_a_count(range_g, bits):
 def test_round_trip_without_rounding_is_exact(range_g, bits):
     model = sensor(range_g, bits)
     force = np.linspace(-range_g, range_g, 30).reshape(10, 3) * GRAVITY
-    counts = model.counts(model.volts(force), quantise=False)
+    counts = model.counts(model.output(force), quantise=False)
     np.testing.assert_allclose(model.force(counts, np.array(model.zero_g)), force, atol=1e-10)
 
 
 def test_zero_g_is_half_the_supply():
     model = sensor()
-    assert model.volts(np.zeros((1, 3))) == pytest.approx(np.full((1, 3), 1.65))
+    assert model.output(np.zeros((1, 3))) == pytest.approx(np.full((1, 3), 1.65))
     assert model.counts(np.full((1, 3), 1.65)) == pytest.approx(np.full((1, 3), 2048.0))
 
 
@@ -87,16 +88,16 @@ def test_outputs_are_ratiometric_to_the_supply():
     assert low.sensitivity == pytest.approx([0.8 * 2.0 / 3.0] * 3)
     assert low.zero_g_tolerance == pytest.approx(0.11)
     np.testing.assert_array_equal(
-        low.counts(low.volts(force)), nominal.counts(nominal.volts(force))
+        low.counts(low.output(force)), nominal.counts(nominal.output(force))
     )
 
 
 def test_axes_have_their_own_offset_and_sensitivity():
     model = sensor(zero_g=(1.6, 1.65, 1.7), sensitivity=(0.7, 0.8, 0.9))
-    volts = model.volts(np.full((1, 3), GRAVITY))
+    volts = model.output(np.full((1, 3), GRAVITY))
     np.testing.assert_allclose(volts, [[2.3, 2.45, 2.6]])
     np.testing.assert_allclose(
-        model.force(volts / model.volts_per_count, np.array(model.zero_g)),
+        model.force(volts / model.unit_per_count, np.array(model.zero_g)),
         np.full((1, 3), GRAVITY),
     )
 
@@ -123,7 +124,7 @@ def test_variance_is_that_of_noise_and_rounding(bits, noise):
     model = sensor(bits=bits, noise=noise)
     random = np.random.default_rng(3)
     force = random.uniform(-1.0, 1.0, (100_000, 3)) * GRAVITY
-    volts = model.volts(force) + noise * random.standard_normal(force.shape)
+    volts = model.output(force) + noise * random.standard_normal(force.shape)
     error = model.force(model.counts(volts), np.array(model.zero_g)) - force
     assert error.var(axis=0) == pytest.approx(model.variance(1), rel=0.03)
 

@@ -5,23 +5,25 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dead_reckoning.core.accelerometer import AnalogAccelerometer
+from dead_reckoning.core.accelerometer import Accelerometer
 from dead_reckoning.core.errors import CalibrationError, NotAtRestError, SupersededError
 from dead_reckoning.core.front_end import Conversions, FrontEnd
+from dead_reckoning.core.gyroscope import Gyroscope
 from dead_reckoning.core.rest import GRAVITY
 
 RATE = 6400.0
 START_NS = 1_700_000_000_000_000_000
-MODEL = AnalogAccelerometer(
+MODEL = Accelerometer(
     range_g=1.5,
     zero_g=(1.65, 1.65, 1.65),
     sensitivity=(0.8, 0.8, 0.8),
     zero_g_tolerance=0.165,
     swing=(0.25, 3.05),
     noise=0.0047,
-    reference=3.3,
-    bits=12,
+    unit_per_count=3.3 / 4096,
+    limits=(0.0, 4095.0),
 )
+GYROSCOPE = Gyroscope(range=3.0, noise=0.1, resolution=0.01)
 OFFSET = np.array([0.3, -0.2, 0.4])
 UP = np.array([0.0, 0.0, GRAVITY])
 
@@ -41,13 +43,19 @@ def conversions(count, force=(0.0, 0.0, GRAVITY), seed=1):
     """Return conversions of a sensor with OFFSET that measures a force, shape (3,) or (n, 3)."""
     random = np.random.default_rng(seed)
     force = np.broadcast_to(force, (count, 3))
-    volts = MODEL.volts(force + OFFSET) + MODEL.noise * random.standard_normal((count, 3))
+    volts = MODEL.output(force + OFFSET) + MODEL.noise * random.standard_normal((count, 3))
     stamps_ns = START_NS + np.round(np.arange(count) / RATE * 1e9).astype(np.int64)
     return Conversions(stamps_ns, MODEL.counts(volts))
 
 
+def turned(whole, seed=2):
+    """Return the conversions with readings of a gyroscope beside them, some at its range."""
+    rates = np.random.default_rng(seed).normal(0.0, 1.0, whole.counts.shape)
+    return Conversions(whole.stamps_ns, whole.counts, GYROSCOPE.reading(rates))
+
+
 def part(whole, start, stop):
-    return Conversions(whole.stamps_ns[start:stop], whole.counts[start:stop])
+    return whole.part(start, stop)
 
 
 def moving(count):
@@ -57,7 +65,13 @@ def moving(count):
 
 def plain(samples):
     return [
-        (sample.stamp_ns, sample.specific_force, sample.specific_force_covariance)
+        (
+            sample.stamp_ns,
+            sample.specific_force,
+            sample.specific_force_covariance,
+            sample.angular_velocity,
+            sample.angular_velocity_covariance,
+        )
         for sample in samples
     ]
 
@@ -102,6 +116,34 @@ def test_clipped_conversions_are_counted_and_show_in_the_covariance():
     x, y, z = clipped.specific_force_covariance[::4]
     assert (x, y) == pytest.approx(((1.5 * GRAVITY) ** 2,) * 2)
     assert z == clean.specific_force_covariance[8] == pytest.approx(MODEL.variance(64)[2])
+
+
+def test_rate_is_the_mean_of_its_readings():
+    whole = turned(conversions(128))
+    samples = front_end(gyroscope=GYROSCOPE).add(whole)
+    for sample, rates in zip(samples, (whole.rates[:64], whole.rates[64:]), strict=True):
+        assert sample.angular_velocity == pytest.approx(rates.mean(axis=0))
+
+
+def test_saturated_readings_are_counted_and_show_on_their_axis():
+    whole = conversions(128)
+    rates = np.zeros((128, 3))
+    rates[70:80, 0] = GYROSCOPE.range
+    rates[75:85, 1] = -GYROSCOPE.range
+    device = front_end(gyroscope=GYROSCOPE)
+    clean, saturated = device.add(Conversions(whole.stamps_ns, whole.counts, rates))
+    assert (device.saturated, device.clipped) == (15, 0)
+    usual = GYROSCOPE.variance(64)
+    assert clean.angular_velocity_covariance == (usual, 0, 0, 0, usual, 0, 0, 0, usual)
+    assert saturated.angular_velocity_covariance == (9.0, 0, 0, 0, 9.0, 0, 0, 0, usual)
+    assert saturated.specific_force_covariance == clean.specific_force_covariance
+
+
+def test_a_device_without_a_gyroscope_gives_no_rate():
+    (sample,) = front_end(gyroscope=GYROSCOPE).add(conversions(64))
+    assert sample.angular_velocity is None
+    (sample,) = front_end().add(turned(conversions(64)))
+    assert sample.angular_velocity is None
 
 
 def test_calibration_at_the_start_is_silent_and_takes_the_offsets_out():
@@ -179,8 +221,12 @@ cuts = st.lists(st.integers(0, 3000), max_size=12).map(sorted)
 @settings(max_examples=30)
 @given(cuts, st.sampled_from([1, 7, 64]), st.booleans(), st.booleans())
 def test_cutting_the_conversions_changes_nothing(cuts, per_message, calibrate, still):
-    whole = conversions(3000, (0.0, 0.0, GRAVITY) if still else moving(3000))
-    kwargs = {'samples_per_message': per_message, 'calibrate_on_start': calibrate}
+    whole = turned(conversions(3000, (0.0, 0.0, GRAVITY) if still else moving(3000)))
+    kwargs = {
+        'samples_per_message': per_message,
+        'calibrate_on_start': calibrate,
+        'gyroscope': GYROSCOPE,
+    }
     together = front_end(**kwargs)
     expected = plain(together.add(whole))
     assert len(expected) == (3000 - 1024 * calibrate) // per_message
@@ -190,6 +236,7 @@ def test_cutting_the_conversions_changes_nothing(cuts, per_message, calibrate, s
         samples += cut.add(part(whole, start, stop))
     assert plain(samples) == expected
     assert str(cut.finding) == str(together.finding)
+    assert cut.saturated == together.saturated
 
 
 @settings(max_examples=30)

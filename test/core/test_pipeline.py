@@ -9,14 +9,12 @@ from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.chain import FAULT
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import NotLevelledError
-from dead_reckoning.core.front_end import FrontEnd
 from dead_reckoning.core.gravity import GravitySettings
 from dead_reckoning.core.integrator import IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.stages import ODOMETRY, RAW
-from dead_reckoning.sources import motions
+from dead_reckoning.sources.driver import front_end, simulated_sensor
 from dead_reckoning.sources.driver_settings import DriverSettings
-from dead_reckoning.sources.simulated import SimulatedAccelerometer, SimulatedSettings
 
 START_NS = 1_700_000_000_000_000_000
 SEEDS = range(20)
@@ -33,30 +31,15 @@ def slide(seed, **values):
             **values,
         }
     )
-    driver = configuration[DriverSettings]
-    motion = motions.motion_class(driver.motion)
-    source = SimulatedAccelerometer(
-        configuration[SimulatedSettings],
-        driver.model(),
-        motion(configuration[motion.Settings]),
-        driver.sample_rate,
-        START_NS,
-    )
-    front_end = FrontEnd(
-        driver.model(),
-        frame_id='imu_link',
-        samples_per_message=driver.samples_per_message,
-        calibration_samples=driver.calibration_samples,
-        rest_deviation=driver.rest_deviation,
-        calibrate_on_start=driver.calibrate_on_start,
-    )
+    source = simulated_sensor(configuration, START_NS)
     chain = Pipeline(
         configuration[GravitySettings],
         configuration[IntegratorSettings],
         configuration[CommonSettings],
         configuration[FrameSettings],
     ).chain
-    samples = front_end.add(source.read(round(5.0 * driver.sample_rate)))
+    conversions = source.read(round(5.0 * configuration[DriverSettings].sample_rate))
+    samples = front_end(configuration).add(conversions)
     outputs = [output for sample in samples for output in chain.push(RAW, sample)]
     states = [value for name, value in outputs if name == ODOMETRY]
     faults = [value for name, value in outputs if name == FAULT]

@@ -33,7 +33,7 @@ DEADLINE = 30.0
 ROOT = str(Path(dead_reckoning.__file__).parents[1])
 """Where the package under test is imported from; its nodes shall come from there too."""
 
-NODES = ('accelerometer_driver', 'gravity_removal', 'integrator', 'pipeline')
+NODES = ('accelerometer_driver', 'compass_driver', 'gravity_removal', 'integrator', 'pipeline')
 EXECUTORS = ('events', 'single')
 
 DEEP = 5000

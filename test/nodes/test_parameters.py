@@ -16,16 +16,16 @@ from sensor_msgs.msg import Imu
 CONFIG = Path(__file__).resolve().parents[2] / 'config'
 
 NUMBER = {
-    'accelerometer_driver': ('driver.supply', 'a finite number from 2.2 to 3.6 [V]'),
+    'accelerometer_driver': ('driver.supply', 'a finite number from 1.8 to 3.6 [V]'),
     'gravity_removal': ('gravity.magnitude', 'a finite number from 9.7 to 9.9 [m/s²]'),
     'integrator': ('integrator.max_gap', 'a finite number from 0.001 to 60 [s]'),
     'pipeline': ('driver.slide.duration', 'a finite number from 0.01 to 1000 [s]'),
 }
 CHOICE = {
-    'accelerometer_driver': ('driver.motion', "one of 'rest', 'slide'"),
-    'gravity_removal': ('gravity.attitude', "one of 'message', 'rest'"),
-    'integrator': ('integrator.method', "one of 'trapezoid', 'euler'"),
-    'pipeline': ('pipeline.source', "one of 'topic', 'simulated'"),
+    'accelerometer_driver': ('driver.motion', "'slide'"),
+    'gravity_removal': ('gravity.attitude', "'message'"),
+    'integrator': ('integrator.method', "'euler'"),
+    'pipeline': ('pipeline.source', "'topic'"),
 }
 MISSPELT = {
     'accelerometer_driver': ('driver.sample_rat', 'driver.sample_rate'),
@@ -280,7 +280,7 @@ def test_descriptors_say_what_the_declaration_says(defaults):
     (reach,) = samples.integer_range
     assert (reach.from_value, reach.to_value, reach.step) == (1, 1_000_000, 1)
     assert method.type == ParameterType.PARAMETER_STRING
-    assert method.additional_constraints == "one of 'trapezoid', 'euler'"
+    assert method.additional_constraints == "one of 'trapezoid', 'euler', 'kalman'"
 
 
 def test_an_integer_is_taken_for_a_double_while_running(defaults):

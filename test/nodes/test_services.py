@@ -1,5 +1,6 @@
 """Services answer when the work is done, with the reason when it failed, and starve nothing."""
 
+import re
 import time
 
 import numpy as np
@@ -13,6 +14,7 @@ from std_srvs.srv import Trigger
 
 DURATION = 1.5
 """How long [s] a calibration or levelling takes here."""
+OFFSET = [0.3, -0.2, 0.4]
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 
 
@@ -25,6 +27,7 @@ def busy(request, ros):
         'driver.motion': 'rest',
         'driver.samples_per_message': 25,
         'driver.calibrate_on_start': False,
+        'driver.simulated.offset': OFFSET,
         'driver.calibration_samples': round(DURATION * 6400.0),
         'gravity.rest_duration': DURATION,
         'integrator.calibration_duration': DURATION,
@@ -68,22 +71,28 @@ class Busy:
         """Wait until the odometry is back at the origin; some may still be on their way."""
         self._ros.until(lambda: self.distance() < 0.01, 'the origin')
 
-    def next_forces(self, count=40):
-        """Return the specific forces of the samples that come now, shape (count, 3)."""
-        begin = len(self.raw)
-        messages = self.raw.wait(begin + count)[begin:]
-        return np.array([[getattr(m.linear_acceleration, a) for a in 'xyz'] for m in messages])
+    def wait_for_force(self, force, tolerance):
+        """Wait until the specific force is as expected; older ones may still be on their way."""
+
+        def found():
+            recent = [message.linear_acceleration for message in self.raw.messages[-40:]]
+            mean = np.mean([[f.x, f.y, f.z] for f in recent], axis=0)
+            return mean == pytest.approx(force, abs=tolerance)
+
+        self._ros.until(found, f'a specific force of {force}')
 
 
 def test_calibration_levelling_and_reset_work_and_starve_nothing(busy):
     """In the order in which a user would: sensor, attitude, integrator, origin."""
-    assert busy.next_forces().mean(axis=0) == pytest.approx([0.3, -0.2, 10.2], abs=0.1)
+    busy.wait_for_force([OFFSET[0], OFFSET[1], GRAVITY + OFFSET[2]], 0.1)
 
     answer = busy.trigger('accelerometer_driver/calibrate', DURATION)
     assert answer.success, answer.message
-    assert answer.message.startswith('offset of x, y, z: +0.03')
+    offsets = re.findall(r'[+-]0\.\d+', answer.message)
+    assert [float(offset) * GRAVITY for offset in offsets] == pytest.approx(OFFSET, abs=0.1)
+    assert answer.message.startswith('offset of x, y, z: ')
     assert 'level again' in answer.message
-    assert busy.next_forces().mean(axis=0) == pytest.approx([0.0, 0.0, GRAVITY], abs=0.02)
+    busy.wait_for_force([0.0, 0.0, GRAVITY], 0.02)
 
     answer = busy.trigger('gravity_removal/level', DURATION)
     assert answer.success, answer.message

@@ -224,3 +224,14 @@ def test_best_effort_publishers_can_be_had(ros):
     (publisher,) = ros.node.get_publishers_info_by_topic('/imu/data_raw')
     assert publisher.qos_profile.reliability.name == 'BEST_EFFORT'
     assert len(reliable) == 0
+
+
+def test_a_remapped_topic_is_the_one_that_counts(ros):
+    """The driver waits for subscribers of the topic it does publish."""
+    ros.start(
+        'accelerometer_driver',
+        {'driver.wait_for_subscribers': 1},
+        *('-r', 'imu/data_raw:=/sensors/imu'),
+    )
+    recording = ros.record('/sensors/imu', Imu).connected()
+    assert recording.wait(20)[0].header.frame_id == 'imu_link'

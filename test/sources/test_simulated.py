@@ -1,6 +1,8 @@
 """The simulated sensor: exact truth, faults that can be switched, the same counts every time."""
 
+import dataclasses
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,45 +11,58 @@ from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import matrix_from_quaternion, quaternion_from_euler
 from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
+from dead_reckoning.sources.motions import NO_STEPS, kinematics
 from dead_reckoning.sources.simulated import SimulatedAccelerometer, SimulatedSettings
 
 RATE = 6400.0
 START_NS = 1_700_000_000_000_000_000
-IDEAL = {
-    'noise': False,
-    'quantise': False,
-    'offset': (0.0, 0.0, 0.0),
-    'sensitivity_error': (0.0, 0.0, 0.0),
-}
 UP = np.array([0.0, 0.0, GRAVITY])
-MODEL = DriverSettings(range_g=2.0).model()
+DRIVER = DriverSettings(range_g=2.0)
+MODEL = DRIVER.model()
 
 
-def sensor(motion='slide', rate=RATE, start_ns=START_NS, motion_settings=None, **settings):
-    kind = motions.motion_class(motion)
-    return SimulatedAccelerometer(
-        SimulatedSettings(**settings),
-        MODEL,
-        kind(kind.Settings(**(motion_settings or {}))),
-        rate,
-        start_ns,
-    )
+def sensor(
+    motion='slide',
+    rate=RATE,
+    start_ns=START_NS,
+    motion_settings=None,
+    driver=DRIVER,
+    settings=None,
+    **changes,
+):
+    """Return a sensor on a motion given by name, or as an object that has `at`."""
+    if isinstance(motion, str):
+        kind = motions.motion_class(motion)
+        motion = kind(kind.Settings(**(motion_settings or {})))
+    settings = dataclasses.replace(settings or SimulatedSettings(), **changes)
+    return SimulatedAccelerometer(settings, driver.part, driver.model(), motion, rate, start_ns)
 
 
-def ideal(motion='slide', **settings):
-    return sensor(motion, **(IDEAL | settings))
+def ideal(motion='slide', **changes):
+    return sensor(motion, settings=SimulatedSettings.ideal(), **changes)
 
 
-def force(counts):
-    return MODEL.force(counts, np.array(MODEL.zero_g))
+def pushed(push):
+    """Return a motion with the acceleration ``push(time)``, one number along each axis."""
+
+    def at(time):
+        acceleration = np.column_stack([push(time)] * 3)
+        return kinematics(acceleration * 0.0, acceleration * 0.0, acceleration)
+
+    return SimpleNamespace(at=at, duration=1.0, steps=NO_STEPS)
 
 
-def test_every_effect_is_on_unless_switched_off():
-    settings = SimulatedSettings()
-    assert settings.noise
-    assert settings.quantise
-    assert all(settings.offset)
-    assert all(settings.sensitivity_error)
+def wave(time):
+    """An acceleration that goes through all of the range within 0.2 s."""
+    return 0.9 * GRAVITY * np.sin(2.0 * np.pi * time / 0.2)
+
+
+def force(counts, model=MODEL):
+    return model.force(counts, np.array(model.zero_g))
+
+
+def seen(source, count=1280, model=MODEL):
+    return force(source.read(count).counts, model)
 
 
 def test_ideal_sensor_shows_the_exact_force():
@@ -74,11 +89,26 @@ def test_stamps_do_not_drift():
     assert source.read(1).stamps_ns[0] - START_NS == 100_000 * 10**9
 
 
+EVERYTHING = {
+    'supply_error': 0.05,
+    'temperature': 40.0,
+    'warming': 20.0,
+    'warming_time': 0.5,
+    'sleep_until': 0.3,
+    'nonlinearity': 0.01,
+    'axis_delay': 0.0001,
+    'attitude': (0.1, -0.2, 0.7),
+}
+
+
 @pytest.mark.parametrize('pieces', [[10_000], [1] * 50 + [9_950], [0, 63, 65, 9_872], [64] * 156])
-def test_reading_in_pieces_gives_the_same_counts(pieces):
-    source = sensor()
+@pytest.mark.parametrize('motion', ['slide', 'gait'])
+def test_reading_in_pieces_gives_the_same_counts_with_all_effects(motion, pieces):
+    walking = {'motion_settings': {'start': 0.2}}
+    source = sensor(motion, **walking, **EVERYTHING)
     parts = [source.read(count) for count in pieces]
-    whole = sensor().read(sum(pieces))
+    whole = sensor(motion, **walking, **EVERYTHING).read(sum(pieces))
+    assert len(np.unique(whole.counts)) > 100
     np.testing.assert_array_equal(np.concatenate([p.counts for p in parts]), whole.counts)
     np.testing.assert_array_equal(np.concatenate([p.stamps_ns for p in parts]), whole.stamps_ns)
 
@@ -91,7 +121,7 @@ def test_seed_decides_the_noise():
 
 def test_noise_is_as_large_as_set():
     counts = ideal('rest', noise=True).read(20_000).counts
-    volts = counts * MODEL.volts_per_count
+    volts = counts * MODEL.unit_per_count
     assert volts.std(axis=0) == pytest.approx([MODEL.noise] * 3, rel=0.03)
     assert force(counts).mean(axis=0) == pytest.approx([0.0, 0.0, GRAVITY], abs=0.005)
 
@@ -118,6 +148,188 @@ def test_error_of_the_sensitivity_scales_the_force():
     scaled = force(ideal(motion_settings=slides, sensitivity_error=errors).read(30_000).counts)
     exact = force(ideal(motion_settings=slides).read(30_000).counts)
     np.testing.assert_allclose(scaled, exact * (1.0 + np.array(errors)), atol=1e-9)
+
+
+def test_cross_axis_shows_parts_of_the_other_axes():
+    parts = (0.01, 0.02, 0.03, 0.04, 0.05, 0.06)
+    slides = {'motion_settings': {'axis': 'y', 'start': 0.0}}
+    mixed, exact = (
+        seen(ideal(**slides, **change), 6400) for change in ({'cross_axis': parts}, {})
+    )
+    mixing = np.array([[1.0, 0.01, 0.02], [0.03, 1.0, 0.04], [0.05, 0.06, 1.0]])
+    np.testing.assert_allclose(mixed, exact @ mixing.T, atol=1e-9)
+
+
+@pytest.mark.parametrize('bend', [0.01, -0.01])
+def test_nonlinearity_bends_most_at_full_scale(bend):
+    exact, bent = (
+        seen(ideal(pushed(lambda t: t * 100.0), nonlinearity=part), 600)[:, 0]
+        for part in (0.0, bend)
+    )
+    full = MODEL.range_g * GRAVITY
+    np.testing.assert_allclose(bent - exact, bend * full * (exact / full) ** 2, atol=1e-9)
+
+
+@pytest.mark.parametrize('bend', [0.2, -0.2])
+def test_characteristic_rises_everywhere(bend):
+    """Up to four times the range, where a polynomial would fall again."""
+    driver = DriverSettings(range_g=1.5, adc_reference=10.0)
+    rising = pushed(lambda t: (t - 0.01) * 300.0)
+    shown = seen(ideal(rising, driver=driver, nonlinearity=bend), model=driver.model())[:, 0]
+    assert (np.diff(shown) > 0.0).all()
+
+
+@pytest.mark.parametrize('error', [0.1, -0.05])
+def test_wrong_supply_scales_the_output_of_a_ratiometric_sensor(error):
+    right, wrong = (
+        ideal(pushed(wave), supply_error=part).read(1280).counts for part in (0.0, error)
+    )
+    np.testing.assert_allclose(wrong, right * (1.0 + error), rtol=1e-12)
+    rest = ideal('rest', supply_error=error).read(1).counts
+    shown = force(rest)[0]
+    assert shown[0] == pytest.approx(error * 1.65 / 0.6 * GRAVITY), 'it looks like an offset'
+
+
+def test_wrong_supply_does_nothing_to_a_digital_sensor():
+    driver = DriverSettings(sensor='adxl345')
+    right, wrong = (
+        ideal(pushed(wave), driver=driver, supply_error=part).read(1280).counts
+        for part in (0.0, 0.1)
+    )
+    np.testing.assert_array_equal(right, wrong)
+
+
+def test_swing_ends_with_the_supply():
+    """At 10 % less supply the upper end is at 2.97 − 0.25 V; the lower one stays."""
+    hard = pushed(lambda t: np.where(t < 0.1, 5.0, -5.0) * GRAVITY)
+    counts = ideal(hard, clip=True, supply_error=-0.1).read(1280).counts
+    volts = counts * MODEL.unit_per_count
+    assert volts[:, :2].max() == pytest.approx(2.72)
+    assert volts[:, :2].min() == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize(
+    ('driver', 'low', 'high'),
+    [
+        (DriverSettings(range_g=1.5), -1.75, 1.75),
+        (DriverSettings(range_g=6.0), -7.0, 7.0),
+        (DriverSettings(sensor='adxl330'), -14.0 / 3.0, 14.0 / 3.0),
+        (DriverSettings(sensor='adxl345', range_g=4.0), -4.0, 4.0 - 1.0 / 256.0),
+        (DriverSettings(sensor='adxl345', range_g=16.0), -16.0, 16.0 - 1.0 / 256.0),
+    ],
+)
+def test_output_is_clipped_where_the_sensor_ends(driver, low, high):
+    hard = pushed(lambda t: np.where(t < 0.1, 20.0, -20.0) * GRAVITY)
+    shown = seen(ideal(hard, driver=driver, clip=True), model=driver.model())[:, :2] / GRAVITY
+    np.testing.assert_allclose(shown[:640], high)
+    np.testing.assert_allclose(shown[640:], low)
+
+
+def test_clipping_can_be_switched_off_down_to_the_ends_of_the_adc():
+    hard = pushed(lambda t: np.where(t < 0.1, 5.0, -5.0) * GRAVITY)
+    counts = ideal(hard).read(1280).counts
+    assert (counts.min(), counts.max()) == MODEL.limits
+
+
+def test_temperature_moves_offset_and_sensitivity():
+    """MMA7260QT: 2 mg/K and 0.03 %/K."""
+    warm, right = (
+        seen(ideal(pushed(wave), temperature=temperature)) for temperature in (35.0, 25.0)
+    )
+    np.testing.assert_allclose(warm, right * 1.003 + 0.02 * GRAVITY, atol=1e-9)
+
+
+def test_it_warms_up_with_its_time_constant():
+    drift = seen(ideal('rest', warming=20.0, warming_time=0.1))[:, 0] / GRAVITY
+    time = np.arange(1280) / RATE
+    np.testing.assert_allclose(drift, 0.002 * 20.0 * (1.0 - np.exp(-time / 0.1)), atol=1e-9)
+    steady = seen(ideal('rest', warming=20.0, temperature=5.0, warming_time=0.1), 64_000)
+    np.testing.assert_allclose(steady[0], -0.04 * GRAVITY + UP * 0.994, atol=1e-9)
+    np.testing.assert_allclose(steady[-1], UP, atol=1e-9)
+
+
+def test_low_pass_weakens_each_axis_at_its_corner():
+    """MMA7260QT: 350 Hz for x and y, 150 Hz for z."""
+    rate = 50_000.0
+    for corner, axes in ((350.0, [0, 1]), (150.0, [2])):
+        omega = 2.0 * np.pi * corner
+        source = ideal(pushed(lambda t, w=omega: 5.0 * np.sin(w * t)), rate=rate, low_pass=True)
+        shown = seen(source, 20_000)[10_000:] - UP
+        weakened = np.sqrt(2.0) * shown.std(axis=0) / 5.0
+        assert weakened[axes] == pytest.approx([np.sqrt(0.5)] * len(axes), rel=3e-3)
+        z_and_x = {350.0: 150.0 / 350.0, 150.0: 350.0 / 150.0}[corner]
+        other = weakened[2 if axes == [0, 1] else 0]
+        assert other == pytest.approx(1.0 / np.hypot(1.0, 1.0 / z_and_x), rel=3e-3)
+
+
+def test_low_pass_is_settled_at_the_start():
+    np.testing.assert_allclose(seen(ideal('rest', low_pass=True)), np.tile(UP, (1280, 1)))
+
+
+def test_axes_are_converted_one_after_the_other():
+    delay = 0.002
+    shown = seen(ideal(pushed(wave), axis_delay=delay)) - UP
+    time = np.arange(1280) / RATE
+    for axis in range(3):
+        np.testing.assert_allclose(shown[:, axis], wave(time + axis * delay), atol=1e-9)
+
+
+def test_asleep_it_gives_nothing_and_woken_it_settles():
+    wake_time = DRIVER.part.wake_time
+    source = ideal('rest', sleep_until=0.1, rate=100_000.0)
+    volts = source.read(20_000).counts * MODEL.unit_per_count
+    time = np.arange(20_000) / 100_000.0
+    assert not volts[time <= 0.1].any()
+    share = volts[:, 2] / volts[-1, 2]
+    np.testing.assert_allclose(share[time <= 0.1 + wake_time][-1], 1.0 - math.exp(-5.0))
+    np.testing.assert_allclose(volts[time > 0.11] - volts[-1], 0.0, atol=1e-9)
+    assert force(volts[-1] / MODEL.unit_per_count) == pytest.approx(UP)
+
+
+def test_sleep_shows_as_clipped_conversions():
+    counts = ideal('rest', sleep_until=0.1, clip=True, quantise=True).read(700).counts
+    assert MODEL.clipped(counts[:640]).all()
+    assert not MODEL.clipped(counts[690:]).any()
+
+
+ON = {
+    'noise': True,
+    'clip': True,
+    'quantise': True,
+    'offset': (0.3, -0.2, 0.4),
+    'sensitivity_error': (0.01, 0.01, 0.01),
+    'cross_axis': (0.01,) * 6,
+    'nonlinearity': 0.01,
+    'supply_error': 0.01,
+    'temperature': 40.0,
+    'warming': 10.0,
+    'low_pass': True,
+    'axis_delay': 0.001,
+    'sleep_until': 0.01,
+    'attitude': (0.1, 0.0, 0.0),
+}
+NOT_FAULTS = {'seed', 'warming_time'}
+
+
+def test_every_fault_is_tried():
+    fields = {field.name for field in dataclasses.fields(SimulatedSettings)}
+    assert set(ON) | NOT_FAULTS == fields
+
+
+@pytest.mark.parametrize('fault', ON)
+def test_every_fault_shows_alone_and_is_off_in_the_ideal_sensor(fault):
+    hard = pushed(lambda t: 3.0 * wave(t))
+    without = ideal(hard).read(1280).counts
+    with_it = ideal(hard, **{fault: ON[fault]}).read(1280).counts
+    assert (without != with_it).any()
+
+
+def test_faults_that_are_on_by_default_are_small():
+    """A calibrated one is off by less than its noise lets see at once: 2 % of g."""
+    usual = SimulatedSettings(noise=False, quantise=False, offset=(0.0, 0.0, 0.0))
+    calm = pushed(lambda t: 0.4 * wave(t))
+    difference = seen(sensor(calm, settings=usual)) - seen(ideal(calm))
+    assert 0.001 * GRAVITY < np.abs(difference).max() < 0.02 * GRAVITY
 
 
 def test_table_that_tilts_shows_in_the_force_and_turns_the_truth():

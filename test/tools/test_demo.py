@@ -14,7 +14,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='the demo runs ROS nodes, and rclpy is not installed')
 
-COMMAND = [sys.executable, '-m', 'dead_reckoning.tools.main', 'demo']
+COMMAND = [sys.executable, '-m', 'dead_reckoning.tools.main', 'demo', 'slide', 'square']
 MARK = 'DEAD_RECKONING_TEST_RUN'
 
 
@@ -63,19 +63,35 @@ def test_the_table_shows_the_slide(demo):
     assert error == pytest.approx(estimate - truth, abs=2e-4)
 
 
+def test_the_square_comes_back(demo):
+    run, _ = demo
+    for axis in 'xy':
+        row = re.search(rf'{axis} at the end \[m\]\s+(\S+)\s+(\S+)', run.stdout)
+        assert float(row.group(1)) == 0.0
+        assert abs(float(row.group(2))) < 0.02
+
+
+def test_a_case_that_is_not_there_is_named():
+    run = subprocess.run(
+        [*COMMAND, 'spiral'], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert run.returncode == 1
+    assert "no case 'spiral'; there are slide, " in run.stderr
+
+
 def test_it_says_where_pictures_and_page_are(demo):
     run, output = demo
     named = [Path(path) for path in re.findall(r'^(?:picture|page) +(.*)$', run.stdout, re.M)]
-    assert [path.suffix for path in named] == ['.png'] * 3 + ['.html']
+    assert [path.suffix for path in named] == ['.png'] * 5 + ['.html']
     assert all(path.parent == output and path.stat().st_size > 5000 for path in named)
-    for path in named[:3]:
+    for path in named[:5]:
         assert path.read_bytes().startswith(b'\x89PNG')
 
 
 def test_the_page_is_self_contained(demo):
     _, output = demo
     page = (output / 'index.html').read_text(encoding='utf-8')
-    assert page.count('src="data:image/png;base64,') == 3
+    assert page.count('src="data:image/png;base64,') == 5
     assert not re.search(r'(src|href)="(?!data:)', page)
     assert 'Slide of 0.5 m' in page
 
@@ -97,7 +113,7 @@ def test_the_page_opens_in_a_browser(demo):
             timeout=60,
             check=True,
         )  # fmt: skip
-    assert dumped.stdout.count('<img') == 3
+    assert dumped.stdout.count('<img') == 5
     assert 'displacement [m]' in dumped.stdout
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from dead_reckoning.core.common import CommonSettings
-from dead_reckoning.core.compass import Compass
+from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.rest_search import Stillness
 from dead_reckoning.core.samples import ImuSample, Matrix, Quaternion
@@ -46,7 +46,7 @@ class AttitudeSource(Protocol):
 
 
 def attitude_source(
-    settings: GravitySettings, common: CommonSettings, compass: Compass
+    settings: GravitySettings, common: CommonSettings, compass: CompassYaw
 ) -> AttitudeSource:
     """Return the source that the settings name."""
     if settings.attitude == 'message':

@@ -6,7 +6,7 @@ from math import degrees, exp, isfinite, remainder, sqrt, tau
 
 from dead_reckoning.core.attitude.gyro_bias import GyroBias
 from dead_reckoning.core.common import CommonSettings
-from dead_reckoning.core.compass import Compass
+from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.errors import MissingRateError, NotFiniteError
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.rest_search import Stillness
@@ -47,7 +47,7 @@ class EstimatedAttitude:
     It starts from a rest.  Over a gap the attitude is held, and is known less well.
     """
 
-    def __init__(self, settings: GravitySettings, common: CommonSettings, compass: Compass):
+    def __init__(self, settings: GravitySettings, common: CommonSettings, compass: CompassYaw):
         self._settings = settings
         self._compass = compass
         self._level_variance = common.attitude_deviation**2

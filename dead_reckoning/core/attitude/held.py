@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import degrees
 
 from dead_reckoning.core.common import CommonSettings
-from dead_reckoning.core.compass import Compass
+from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.rest_search import Stillness
 from dead_reckoning.core.rotation import euler_from_gravity, isotropic, quaternion_from_euler
 from dead_reckoning.core.samples import ImuSample, Matrix, Quaternion
@@ -15,10 +15,10 @@ class HeldAttitude:
     """Keep roll and pitch from the first rest on; yaw is that of the compass, or 0.
 
     The tilt is known to `common.attitude_deviation`, and so is a yaw of 0; the yaw of a compass as
-    well as its message says (`Compass`).
+    well as its message says (`CompassYaw`).
     """
 
-    def __init__(self, common: CommonSettings, compass: Compass) -> None:
+    def __init__(self, common: CommonSettings, compass: CompassYaw) -> None:
         self._compass = compass
         self._unaided = isotropic(common.attitude_deviation)
         self.reset()

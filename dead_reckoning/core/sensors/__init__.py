@@ -20,7 +20,7 @@ class Part:
     ``swing_margin``      how close to the rails the output swings [unit].
     ``noise``             of one conversion, one sigma [unit].
     ``low_pass``          corner of the one-pole low-pass of x, y, z [Hz]; zero for none.
-    ``bits``              of a digital output; zero where an ADC follows.
+    ``digital``           whether the output is a count; an ADC follows where it is not.
     ``offset_drift``      [g/K], ``sensitivity_drift`` [1/K].
     ``wake_time``         from sleep to a settled output [s].
     """
@@ -33,10 +33,18 @@ class Part:
     swing_margin: float
     noise: float
     low_pass: tuple[float, float, float]
-    bits: int = 0
+    digital: bool = False
     offset_drift: float
     sensitivity_drift: float
     wake_time: float
+
+    def limits(self, range_g: float) -> tuple[float, float]:
+        """Return the lowest and the highest count of a digital output in a range.
+
+        They span the range and no more, so in full resolution a smaller range has fewer bits.
+        """
+        half = round(range_g * self.ranges[range_g])
+        return float(-half), float(half - 1)
 
     def scale(self, supply: float) -> float:
         """Return how the outputs scale with the supply [V]."""

@@ -40,7 +40,7 @@ class Kinematics:
         """Return ``rot_tb`` at each time, shape (n, 3, 3)."""
         roll, pitch, yaw = self.euler.T
         cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
-        return np.stack(
+        matrices: Array = np.stack(
             [
                 cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,
                 sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,
@@ -48,6 +48,7 @@ class Kinematics:
             ],
             axis=1,
         ).reshape(-1, 3, 3)  # fmt: skip
+        return matrices
 
     @property
     def angular_velocity(self) -> Array:

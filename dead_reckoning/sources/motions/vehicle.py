@@ -56,7 +56,7 @@ class Vehicle:
         nothing = np.zeros_like(u)
         x, dx, ddx = a * np.sin(u), a * np.cos(u), -a * np.sin(u)
         y, dy, ddy = b * np.sin(2 * u), 2 * b * np.cos(2 * u), -4 * b * np.sin(2 * u)
-        yaw = np.unwrap(np.arctan2(dy, dx))
+        yaw = np.arctan2(dy, dx)
         yaw_rate = (dx * ddy - dy * ddx) / (dx**2 + dy**2) * rate
         return kinematics(
             np.column_stack([x, y, nothing]),

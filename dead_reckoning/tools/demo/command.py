@@ -9,11 +9,12 @@ import sys
 import time
 from pathlib import Path
 
-from dead_reckoning.core.errors import RecordingError
+from dead_reckoning.core.errors import RecordingError, SettingsError
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import GROUND_TRUTH
-from dead_reckoning.tools.demo.cases import CASES, Case, Row, compare
+from dead_reckoning.tools.demo.cases import CASES, Case
 from dead_reckoning.tools.demo.recording import Recording, parse
+from dead_reckoning.tools.demo.views import Row
 from dead_reckoning.tools.processes import Interruption, Nodes, environment, interruptible
 
 START_DEADLINE = 30.0
@@ -35,6 +36,12 @@ DRIVER = 'accelerometer_driver'
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what the command takes."""
     parser.add_argument(
+        'case',
+        nargs='*',
+        metavar='CASE',
+        help='what to show; all if none is named: ' + ', '.join(case.name for case in CASES),
+    )
+    parser.add_argument(
         '--output', type=Path, default=Path('out/demo'), help='folder for pictures and page'
     )
 
@@ -42,15 +49,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(arguments: argparse.Namespace) -> int:
     """Run the demo; return the exit status."""
     from dead_reckoning.tools.demo.page import Result, write
-    from dead_reckoning.tools.demo.plots import draw
 
     arguments.output.mkdir(parents=True, exist_ok=True)
     results = []
-    for case in CASES:
+    for case in _chosen(arguments.case):
         recording = run(case)
-        rows = compare(case, recording)
+        rows = case.view.rows(recording)
         print(f'\n{case.title}\n{table(rows)}\n', flush=True)
-        results.append(Result(case, recording, rows, draw(case, recording, arguments.output)))
+        pictures = case.view.draw(case.name, recording, arguments.output)
+        results.append(Result(case, recording, rows, pictures))
     page = arguments.output / 'index.html'
     write(page, results)
     for result in results:
@@ -58,6 +65,14 @@ def main(arguments: argparse.Namespace) -> int:
             print(f'picture  {picture}')
     print(f'page     {page}')
     return 0
+
+
+def _chosen(names: list[str]) -> list[Case]:
+    by_name = {case.name: case for case in CASES}
+    for name in names:
+        if name not in by_name:
+            raise SettingsError(f'no case {name!r}; there are {", ".join(by_name)}')
+    return [by_name[name] for name in names] or list(CASES)
 
 
 def run(case: Case) -> Recording:
@@ -72,21 +87,17 @@ def run(case: Case) -> Recording:
     with interruptible() as interruption, Nodes(surroundings) as nodes:
         output = nodes.start('recorder', {}, read=True)
         for module in ESTIMATORS:
-            nodes.start(module, case.parameters)
+            nodes.start(module, case.all_parameters)
         lines = Lines(output.fileno(), nodes, interruption)
         lines.wait_until_ready()
-        nodes.start(DRIVER, case.parameters)
+        nodes.start(DRIVER, case.all_parameters)
         recording = parse(_collect(case, lines))
-    if recording.estimate.time[0] > _motion_start(case) - MARGIN:
+    if recording.estimate.time[0] > case.start - MARGIN:
         raise RecordingError(
             f'the estimate begins {recording.estimate.time[0]:.1f} s after the start, too close '
             'to the motion: the machine is too busy, run the demo again'
         )
     return recording
-
-
-def _motion_start(case: Case) -> float:
-    return float(case.parameters[f'driver.{case.parameters["driver.motion"]}.start'])
 
 
 class Lines:

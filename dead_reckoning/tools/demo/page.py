@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from dead_reckoning.tools.demo.cases import Case, Row
+from dead_reckoning.tools.demo.cases import Case
 from dead_reckoning.tools.demo.recording import Recording
+from dead_reckoning.tools.demo.views import Row
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +54,6 @@ def write(path: Path, results: list[Result]) -> None:
 
 def _section(result: Result) -> str:
     case, recording = result.case, result.recording
-    estimate = recording.estimate
-    sigma = estimate.deviation[-1, case.axis]
-    error = result.rows[0].error
     pictures = '\n'.join(_picture(path) for path in result.pictures)
     settings = ', '.join(
         f'<code>{escape(k)}: {escape(str(v))}</code>' for k, v in case.parameters.items()
@@ -65,11 +63,8 @@ def _section(result: Result) -> str:
 <p>{escape(case.words)}</p>
 {table(result.rows)}
 {pictures}
-<p class="note">{len(estimate.time)} estimates from {len(recording.acceleration_time)} linear
-accelerations. The displacement is
-{abs(error) * 1000:.1f} mm off; the published deviation is {sigma * 1000:.0f} mm. It is that wide
-because nothing here measures the attitude while the sensor moves: a tilt of 1° alone, which the
-settings allow for, is 0.171 m/s² of gravity taken for motion, 8.6 m after 10 s without a stop.</p>
+<p class="note">{escape(case.view.remark(recording))} {len(recording.estimate.time)} estimates came
+of {len(recording.acceleration_time)} linear accelerations.</p>
 <p class="note">Settings beyond the defaults: {settings}</p>
 """
 

@@ -1,7 +1,8 @@
-"""Pictures of a run: acceleration, velocity and position against the truth."""
+"""Pictures of a run against the truth."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib
@@ -12,26 +13,17 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from dead_reckoning.tools.demo.cases import Case
 from dead_reckoning.tools.demo.recording import Recording
 
+RED = '#c0392b'
 TRUTH = {'color': '#9a9a9a', 'linewidth': 4.0, 'label': 'truth'}
-ESTIMATE = {'color': '#c0392b', 'linewidth': 1.4, 'label': 'estimate'}
+ESTIMATE = {'color': RED, 'linewidth': 1.4, 'label': 'estimate'}
 
 
-def draw(case: Case, recording: Recording, folder: Path) -> list[Path]:
-    """Write the pictures of a run into ``folder``; return their paths."""
-    return [
-        _figure(folder / f'{case.name}-acceleration.png', _acceleration, case, recording),
-        _figure(folder / f'{case.name}-velocity.png', _velocity, case, recording),
-        _figure(folder / f'{case.name}-position.png', _position, case, recording),
-    ]
-
-
-def _figure(path: Path, plot, case: Case, recording: Recording) -> Path:
-    figure, axes = plt.subplots(figsize=(9.0, 3.4), dpi=110)
-    plot(axes, case, recording)
-    axes.set_xlabel('time [s]')
+def save(path: Path, draw: Callable[[Axes], None], height: float = 3.4) -> Path:
+    """Write one picture; ``draw`` fills its axes."""
+    figure, axes = plt.subplots(figsize=(9.0, height), dpi=110)
+    draw(axes)
     axes.grid(alpha=0.3)
     axes.spines[['top', 'right']].set_visible(False)
     axes.legend(frameon=False, loc='best')
@@ -41,40 +33,60 @@ def _figure(path: Path, plot, case: Case, recording: Recording) -> Path:
     return path
 
 
-def _letter(case: Case) -> str:
-    return 'xyz'[case.axis]
-
-
-def _acceleration(axes: Axes, case: Case, recording: Recording) -> None:
+def acceleration(axes: Axes, recording: Recording, axis: int) -> None:
+    """Draw the linear acceleration along an axis over time."""
     truth = recording.truth
-    exact = np.gradient(truth.velocity[:, case.axis], truth.time)
-    axes.plot(truth.time, exact, **TRUTH)
+    axes.plot(truth.time, np.gradient(truth.velocity[:, axis], truth.time), **TRUTH)
     axes.plot(
         recording.acceleration_time,
-        recording.acceleration[:, case.axis],
+        recording.acceleration[:, axis],
         **{**ESTIMATE, 'label': 'gravity removed'},
     )
-    axes.set_ylabel(f'acceleration {_letter(case)} [m/s²]')
+    _over_time(axes, f'acceleration {"xyz"[axis]} [m/s²]')
 
 
-def _velocity(axes: Axes, case: Case, recording: Recording) -> None:
-    axes.plot(recording.truth.time, recording.truth.velocity[:, case.axis], **TRUTH)
-    axes.plot(recording.estimate.time, recording.estimate.velocity[:, case.axis], **ESTIMATE)
-    axes.set_ylabel(f'velocity {_letter(case)} [m/s]')
+def velocity(axes: Axes, recording: Recording, axis: int) -> None:
+    """Draw the velocity along an axis over time."""
+    axes.plot(recording.truth.time, recording.truth.velocity[:, axis], **TRUTH)
+    axes.plot(recording.estimate.time, recording.estimate.velocity[:, axis], **ESTIMATE)
+    _over_time(axes, f'velocity {"xyz"[axis]} [m/s]')
 
 
-def _position(axes: Axes, case: Case, recording: Recording) -> None:
+def position(axes: Axes, recording: Recording, axis: int) -> None:
+    """Draw the position along an axis over time, with its published deviation."""
     estimate = recording.estimate
-    middle, sigma = estimate.position[:, case.axis], estimate.deviation[:, case.axis]
-    axes.fill_between(
-        estimate.time,
-        middle - sigma,
-        middle + sigma,
-        color='#c0392b',
-        alpha=0.12,
-        linewidth=0.0,
-        label='one sigma, as published',
-    )
-    axes.plot(recording.truth.time, recording.truth.position[:, case.axis], **TRUTH)
+    middle, sigma = estimate.position[:, axis], estimate.deviation[:, axis]
+    _band(axes, estimate.time, middle - sigma, middle + sigma)
+    axes.plot(recording.truth.time, recording.truth.position[:, axis], **TRUTH)
     axes.plot(estimate.time, middle, **ESTIMATE)
-    axes.set_ylabel(f'position {_letter(case)} [m]')
+    _over_time(axes, f'position {"xyz"[axis]} [m]')
+
+
+def way(axes: Axes, recording: Recording) -> None:
+    """Draw the way in the plane, to scale."""
+    axes.plot(recording.truth.position[:, 0], recording.truth.position[:, 1], **TRUTH)
+    axes.plot(recording.estimate.position[:, 0], recording.estimate.position[:, 1], **ESTIMATE)
+    axes.plot(*recording.estimate.position[-1, :2], 'o', color=RED, label='end')
+    axes.set_aspect('equal', adjustable='datalim')
+    axes.set_xlabel('x [m]')
+    axes.set_ylabel('y [m]')
+
+
+def error(axes: Axes, recording: Recording) -> None:
+    """Draw the distance from the truth in the plane over time, with its published deviation."""
+    estimate, truth = recording.estimate, recording.truth_at_estimate
+    off = np.linalg.norm((estimate.position - truth.position)[:, :2], axis=1)
+    _band(axes, estimate.time, 0.0 * off, np.linalg.norm(estimate.deviation[:, :2], axis=1))
+    axes.plot(estimate.time, off, **{**ESTIMATE, 'label': 'distance from the truth'})
+    _over_time(axes, 'error [m]')
+
+
+def _band(axes: Axes, time, low, high) -> None:
+    axes.fill_between(
+        time, low, high, color=RED, alpha=0.12, linewidth=0.0, label='one sigma, as published'
+    )
+
+
+def _over_time(axes: Axes, label: str) -> None:
+    axes.set_xlabel('time [s]')
+    axes.set_ylabel(label)

@@ -24,6 +24,11 @@ class Track:
     velocity: Array
     deviation: Array
 
+    @property
+    def length(self) -> float:
+        """Length of the way [m]."""
+        return float(np.linalg.norm(np.diff(self.position, axis=0), axis=1).sum())
+
 
 @dataclass(frozen=True, eq=False)
 class Recording:
@@ -40,6 +45,12 @@ class Recording:
         index = np.searchsorted(self.truth.time, self.estimate.time)
         t = self.truth
         return Track(t.time[index], t.position[index], t.velocity[index], t.deviation[index])
+
+    @property
+    def error_at_end(self) -> Array:
+        """Where the estimate ends, less where the truth is then, shape (3,) [m]."""
+        error: Array = self.estimate.position[-1] - self.truth_at_estimate.position[-1]
+        return error
 
 
 def parse(lines: Iterable[str]) -> Recording:

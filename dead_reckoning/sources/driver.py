@@ -1,0 +1,59 @@
+"""Build what the driver's settings ask for, the same for the node, the tools and the tests."""
+
+from __future__ import annotations
+
+from typing import Protocol, TypeVar
+
+from dead_reckoning.core.common import FrameSettings
+from dead_reckoning.core.front_end import FrontEnd
+from dead_reckoning.core.parameters import Settings
+from dead_reckoning.sources import motions
+from dead_reckoning.sources.driver_settings import DriverSettings
+from dead_reckoning.sources.simulated import SimulatedAccelerometer, SimulatedSettings
+from dead_reckoning.sources.simulated_gyroscope import GyroSettings, SimulatedGyroscope
+
+SettingsType = TypeVar('SettingsType', bound=Settings)
+
+
+class Parts(Protocol):
+    """Settings by their class, as `dead_reckoning.configuration.Configuration` holds them."""
+
+    def __getitem__(self, part: type[SettingsType]) -> SettingsType:
+        """Return the settings of a part."""
+
+
+def front_end(parts: Parts) -> FrontEnd:
+    """Return what makes samples of the sensor's conversions."""
+    driver = parts[DriverSettings]
+    return FrontEnd(
+        driver.model(),
+        frame_id=parts[FrameSettings].sensor,
+        samples_per_message=driver.samples_per_message,
+        calibration_samples=driver.calibration_samples,
+        rest_deviation=driver.rest_deviation,
+        calibrate_on_start=driver.calibrate_on_start,
+        gyroscope=parts[GyroSettings].model(driver.sample_rate),
+    )
+
+
+def simulated_sensor(parts: Parts, start_ns: int) -> SimulatedAccelerometer:
+    """Return the simulated sensor, its gyroscope too, on the motion that begins at a stamp."""
+    driver, simulated, gyro = (
+        parts[DriverSettings],
+        parts[SimulatedSettings],
+        parts[GyroSettings],
+    )
+    motion = motions.motion_class(driver.motion)
+    model = gyro.model(driver.sample_rate)
+    gyroscope = (
+        SimulatedGyroscope(gyro, model, driver.sample_rate, simulated.seed) if model else None
+    )
+    return SimulatedAccelerometer(
+        simulated,
+        driver.part,
+        driver.model(),
+        motion(parts[motion.Settings]),
+        driver.sample_rate,
+        start_ns,
+        gyroscope,
+    )

@@ -1,0 +1,96 @@
+"""Tables of states as text, for logs while running and for replays: one layout for both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import sqrt
+from pathlib import Path
+from typing import TextIO
+
+from dead_reckoning.core.chain import Stage
+from dead_reckoning.core.errors import DeadReckoningError
+from dead_reckoning.core.rotation import yaw_from_quaternion
+from dead_reckoning.core.samples import LinearAcceleration, NavigationState
+from dead_reckoning.core.stages import ACCELERATION, ODOMETRY
+
+ODOMETRY_COLUMNS = (
+    'stamp_ns', 'px', 'py', 'pz', 'qx', 'qy', 'qz', 'qw', 'vx', 'vy', 'vz', 'sx', 'sy', 'sz',
+    'stationary',
+)  # fmt: skip
+"""World frame; m, m/s; s is the standard deviation of the position; stationary is 0 or 1."""
+
+LOG_COLUMNS = (*ODOMETRY_COLUMNS, 'ax', 'ay', 'az', 'heading')
+"""The same, with the linear acceleration [m/s², world] and the heading [rad, ENU]."""
+
+
+class LogError(DeadReckoningError):
+    """A log can't be written."""
+
+
+def odometry_row(state: NavigationState) -> tuple[float, ...]:
+    """Return a state as a row of `ODOMETRY_COLUMNS`."""
+    covariance = state.position_covariance
+    return (
+        state.stamp_ns,
+        *state.position,
+        *state.attitude,
+        *state.velocity,
+        *(sqrt(max(0.0, covariance[k])) for k in (0, 4, 8)),
+        int(state.stationary),
+    )
+
+
+class OdometryLog:
+    """Write a row of `LOG_COLUMNS` for each state, as it comes.
+
+    Rows are written whole and reach the file line by line, so a log that is cut off ends with a
+    complete row.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Open ``path`` anew; raises `LogError` where that is not possible."""
+        try:
+            self._file: TextIO = path.open('w', encoding='utf-8', buffering=1)
+        except OSError as error:
+            raise LogError(
+                f'pipeline.log_csv: {str(path)!r} can not be written ({error.strerror}); name a '
+                'file in a folder that exists'
+            ) from error
+        self._acceleration: LinearAcceleration | None = None
+        self._write(LOG_COLUMNS)
+
+    def stage(self) -> Stage:
+        """Return what the log takes from a chain: it gives nothing back."""
+        return {ACCELERATION: self._remember, ODOMETRY: self._log}
+
+    def _remember(self, acceleration: LinearAcceleration) -> tuple[()]:
+        self._acceleration = acceleration
+        return ()
+
+    def _log(self, state: NavigationState) -> tuple[()]:
+        acceleration = self._acceleration
+        if acceleration is not None and acceleration.stamp_ns == state.stamp_ns:
+            heading = yaw_from_quaternion(state.attitude)
+            self._write((*odometry_row(state), *acceleration.acceleration, heading))
+        return ()
+
+    def _write(self, row: tuple[object, ...]) -> None:
+        self._file.write(','.join(map(str, row)) + '\n')
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+def stop_after(duration: float, stop: Callable[[], None]) -> Stage:
+    """Return a stage that calls ``stop`` once states cover ``duration`` [s], by their stamps."""
+    first: list[int] = []
+
+    def look(state: NavigationState) -> tuple[()]:
+        if not first:
+            first.append(state.stamp_ns)
+        if state.stamp_ns - first[0] >= duration * 1e9:
+            stop()
+        return ()
+
+    return {ODOMETRY: look}
