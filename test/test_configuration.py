@@ -29,6 +29,7 @@ WITHOUT_UNIT = {
     'driver.simulated.sensitivity_error',
     'driver.simulated.supply_error',
     'driver.walk.asymmetry',
+    'gravity.rate_scale_deviation',
     'integrator.scale_deviation',
 }
 """Real numbers that are ratios."""
