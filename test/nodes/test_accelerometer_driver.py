@@ -89,11 +89,15 @@ def test_every_motion_runs(ros):
             'driver.motion': name,
             'driver.sample_rate': 400.0,
             'driver.samples_per_message': 40,
+            'driver.wait_for_subscribers': 1,
         }
         if name != 'rest':
             parameters[f'driver.{name}.start'] = 0.0
         ros.start('accelerometer_driver', parameters, '-r', f'__ns:=/{name}')
         spaces[name] = ros.record(f'/{name}/ground_truth/odom', Odometry)
+    for name, truth in spaces.items():
+        truth.connected()
+        ros.record(f'/{name}/imu/data_raw', Imu)  # what the driver waits for
     for name, truth in spaces.items():
         truth.wait(10)
         moved = np.array([vector(message.pose.pose.position) for message in truth.messages])

@@ -86,7 +86,8 @@ def test_calibration_takes_the_iron_off_after_a_full_turn(ros, executor):
     ros.start('compass_driver', {**TURNING, **PLAIN, **iron})
     truth = ros.record('ground_truth/odom', Odometry, RELIABLE)
     compass = ros.record('compass/data', Imu)
-    compass.wait(45)
+    truth.wait(1)
+    compass.wait(len(compass) + 45)
     assert np.abs(errors(compass, truth)).max() > 0.3
     answer = ros.trigger('compass_driver/calibrate')
     assert answer.success, answer.message

@@ -76,6 +76,8 @@ class Busy:
 
         def found():
             recent = [message.linear_acceleration for message in self.raw.messages[-40:]]
+            if len(recent) < 40:
+                return False
             mean = np.mean([[f.x, f.y, f.z] for f in recent], axis=0)
             return mean == pytest.approx(force, abs=tolerance)
 
