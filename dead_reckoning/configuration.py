@@ -17,7 +17,7 @@ from dead_reckoning.core import step_detectors
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.compass import CompassSettings
 from dead_reckoning.core.errors import SettingsError
-from dead_reckoning.core.gravity import GravitySettings
+from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.parameters import Settings, refuse_unknown
 from dead_reckoning.core.pedometer import PedometerSettings

@@ -13,7 +13,7 @@ from dead_reckoning.configuration import (
     read_values,
 )
 from dead_reckoning.core.errors import SettingsError
-from dead_reckoning.core.gravity import GravitySettings
+from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integrator import IntegratorSettings
 from dead_reckoning.core.parameters import Derived
 from dead_reckoning.sources import motions
@@ -29,6 +29,7 @@ WITHOUT_UNIT = {
     'driver.simulated.sensitivity_error',
     'driver.simulated.supply_error',
     'driver.walk.asymmetry',
+    'gravity.rate_scale_deviation',
     'integrator.scale_deviation',
     'pedometer.length_deviation',
     'pedometer.step_deviation',

@@ -47,6 +47,10 @@ class MissingAttitudeError(SampleError):
     """A sample carries no orientation, and the chosen source of attitude needs one."""
 
 
+class MissingRateError(SampleError):
+    """A sample carries no angular velocity, and the chosen source of attitude needs one."""
+
+
 class MissingAccelerationError(SampleError):
     """A sample says, by covariance[0] = -1, that its device measures no acceleration."""
 
@@ -81,6 +85,12 @@ class RestartError(DeadReckoningError):
 
 class GapError(DeadReckoningError):
     """Samples were missing for longer than may be integrated."""
+
+    severity = 'warning'
+
+
+class StaleCompassError(DeadReckoningError):
+    """The compass fell silent: the yaw is no longer what it says."""
 
     severity = 'warning'
 

@@ -14,6 +14,7 @@ from dead_reckoning.core.errors import (
     NotFiniteError,
     SupersededError,
 )
+from dead_reckoning.core.heading_wander import HeadingWander
 from dead_reckoning.core.integration import Reading, integration
 from dead_reckoning.core.integration.settings import AXES, IntegratorSettings
 from dead_reckoning.core.rest import RestWindow
@@ -63,6 +64,9 @@ class Integrator:
         self._timeline = Timeline()
         self._integration = integration(settings)
         self._axes = [AXES.index(axis) for axis in settings.axes]
+        self._wander: HeadingWander | None = None
+        if len(self._axes) == 1:
+            self._wander = HeadingWander(settings.heading_deviation, self._axes[0])
         self._quiet = [0, 0, 0]
         self._stationary = False
         self._calibration = Work()
@@ -125,6 +129,13 @@ class Integrator:
         stationary = self._stationary = self._check_movement_end(reading)
         position, velocity = self._integration.position, self._integration.velocity
         position_covariance, velocity_covariance = self._integration.covariances(stationary)
+        if self._wander is not None:
+            if step_ns is None:
+                self._wander.reset()
+            self._wander.step((step_ns or 0) / NANOSECONDS, reading.rot_ws, velocity)
+            position_covariance, velocity_covariance = self._wander.added(
+                position_covariance, velocity_covariance, velocity
+            )
         scale_variance = self.settings.scale_deviation**2
         return NavigationState(
             imu.stamp_ns,

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from dead_reckoning.core.chain import Chain, Stage
 from dead_reckoning.core.common import CommonSettings, FrameSettings
-from dead_reckoning.core.gravity import GravityRemoval, GravitySettings
+from dead_reckoning.core.gravity import GravityRemoval
+from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.parameters import Parts, Settings, parameter
@@ -15,6 +16,7 @@ from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
 from dead_reckoning.core.stages import (
     IMU,
     gravity_input,
+    gravity_inputs,
     gravity_stage,
     integrator_stage,
     pedometer_inputs,
@@ -75,7 +77,7 @@ class Pipeline:
         if 'integrator' in estimators or (counts and pedometer.input == IMU != taken):
             self.gravity = GravityRemoval(gravity, common, parts[FrameSettings])
             stages.append(gravity_stage(self.gravity))
-            inputs.append(taken)
+            inputs += gravity_inputs(gravity.attitude)
         if 'integrator' in estimators:
             self.integrator = Integrator(parts[IntegratorSettings], common)
             stages.append(integrator_stage(self.integrator))

@@ -32,9 +32,10 @@ class RestWindow:
     ``deviation`` (unit of the vector).  A window that failed starts anew with the next sample.
     """
 
-    def __init__(self, duration: float, deviation: float) -> None:
+    def __init__(self, duration: float, deviation: float, unit: str = 'm/s²') -> None:
         self._duration_ns = round(duration * NANOSECONDS)
         self._deviation = deviation
+        self._unit = unit
         self._clear()
 
     def _clear(self) -> None:
@@ -65,8 +66,9 @@ class RestWindow:
         self._clear()
         if max(spread) > self._deviation:
             raise NotAtRestError(
-                f'not at rest: the standard deviation of an axis was {max(spread):.3g} m/s² over '
-                f'{self._duration_ns / NANOSECONDS:g} s, allowed are {self._deviation:g}: '
+                f'not at rest: the standard deviation of an axis was {max(spread):.3g} '
+                f'{self._unit} over {self._duration_ns / NANOSECONDS:g} s, allowed are '
+                f'{self._deviation:g}: '
                 'hold the device still'
             )
         return Rest(mean, (spread[0], spread[1], spread[2]), n)  # type: ignore[arg-type]

@@ -54,6 +54,27 @@ def yaw_from_quaternion(quaternion: Quaternion) -> float:
     return atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
+def composed(q_wa: Quaternion, q_ab: Quaternion) -> Quaternion:
+    """Turn by ``q_ab``, then by ``q_wa``: return ``q_wb``."""
+    ax, ay, az, aw = q_wa
+    bx, by, bz, bw = q_ab
+    return (
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    )
+
+
+def quaternion_from_turn(turn: Vector) -> Quaternion:
+    """Turn a rotation vector, shape (3,) [rad], into its quaternion (x, y, z, w)."""
+    x, y, z = turn
+    angle = sqrt(x * x + y * y + z * z)
+    # sin(½α)/α; below the limit its series is exact to rounding.
+    scale = sin(0.5 * angle) / angle if angle > 1e-4 else 0.5 - angle * angle / 48.0
+    return (scale * x, scale * y, scale * z, cos(0.5 * angle))
+
+
 def normalized(quaternion: Quaternion) -> Quaternion:
     """Return a quaternion (x, y, z, w) at unit length: itself, if it is that long already.
 

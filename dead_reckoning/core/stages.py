@@ -35,8 +35,17 @@ def gravity_input(attitude: str) -> str:
     return IMU if attitude == 'message' else RAW
 
 
+def gravity_inputs(attitude: str) -> tuple[str, ...]:
+    """Name all topics that gravity removal takes: an Imu, and where it helps a compass."""
+    taken = gravity_input(attitude)
+    return (taken,) if taken == IMU else (taken, COMPASS)
+
+
 def gravity_stage(removal: GravityRemoval) -> Stage:
-    """Take an Imu; give the linear acceleration, and the Imu with attitude if it came without."""
+    """Take an Imu; give the linear acceleration, and the Imu with attitude if it came without.
+
+    Where the attitude does not come with the Imu, a compass is taken too, for the yaw.
+    """
 
     def take(imu: ImuSample) -> list[Output]:
         outputs: list[Output] = []
@@ -58,7 +67,12 @@ def gravity_stage(removal: GravityRemoval) -> Stage:
             removal.findings.clear()
         return outputs
 
-    return {gravity_input(removal.settings.attitude): take}
+    def turn(compass: ImuSample) -> list[Output]:
+        removal.follow_compass(compass)
+        return []
+
+    taken = gravity_input(removal.settings.attitude)
+    return {taken: take} if taken == IMU else {taken: take, COMPASS: turn}
 
 
 def integrator_stage(integrator: Integrator) -> Stage:

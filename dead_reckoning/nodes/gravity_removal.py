@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from dead_reckoning.core.chain import Chain
-from dead_reckoning.core.gravity import GravityRemoval, GravitySettings
-from dead_reckoning.core.stages import ACCELERATION, IMU, RAW, gravity_input, gravity_stage
+from dead_reckoning.core.gravity import GravityRemoval
+from dead_reckoning.core.gravity_settings import GravitySettings
+from dead_reckoning.core.stages import ACCELERATION, IMU, gravity_inputs, gravity_stage
 from dead_reckoning.nodes.chain_node import ChainNode
 
 
 class GravityRemovalNode(ChainNode):
-    """Take `imu/data` or `imu/data_raw`, publish `imu/linear_acceleration` and the attitude."""
+    """Publish `imu/linear_acceleration`, and `imu/data` with the attitude where it lacks one.
+
+    Takes `imu/data`, or `imu/data_raw` and `compass/data`.
+    """
 
     def __init__(self) -> None:
         super().__init__('gravity_removal', (GravitySettings,))
         settings = self.configuration[GravitySettings]
         removal = GravityRemoval(settings, self.common, self.frames)
-        taken = gravity_input(settings.attitude)
         self.connect(
             Chain([gravity_stage(removal)]),
-            inputs=(taken,),
-            outputs=(IMU, ACCELERATION) if taken == RAW else (ACCELERATION,),
+            inputs=gravity_inputs(settings.attitude),
+            outputs=(ACCELERATION,) if settings.attitude == 'message' else (IMU, ACCELERATION),
         )
         serve(self, removal)
 

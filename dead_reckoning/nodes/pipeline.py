@@ -6,7 +6,7 @@ from pathlib import Path
 
 from dead_reckoning.configuration import DRIVER, PEDOMETER
 from dead_reckoning.core.chain import Stage
-from dead_reckoning.core.gravity import GravitySettings
+from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.stages import (

@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -22,13 +22,15 @@ from dead_reckoning.core.parameters import Derived, Parameter, Settings
 class Preset:
     """One file of config/: what it is for, and the values that differ from the defaults.
 
-    ``whole`` writes every parameter, else only those that differ.
+    ``whole`` writes every parameter, else only those that differ.  ``other`` values are another
+    choice, which the words explain: they stand below the first as comments.
     """
 
     name: str
     words: str
     values: Mapping[str, Any]
     whole: bool = False
+    other: Mapping[str, Any] = field(default_factory=dict)
 
 
 PRESETS = (
@@ -38,6 +40,58 @@ PRESETS = (
         'every node is here with its default; what is commented out follows from other values.',
         {},
         whole=True,
+    ),
+    Preset(
+        'an3397',
+        'Freescale AN3397: an MMA7260QT at ±1.5 g behind an 8-bit ADC, moved about in the plane; '
+        '64 conversions a sample, a window of ±3 counts of 16.1 mg, 25 quiet samples that end the '
+        'movement of an axis. As comments its other choice, "±2 sample steps for an average of '
+        '16 samples".',
+        {
+            'driver.motion': 'square',
+            'driver.sensor': 'mma7260qt',
+            'driver.range_g': 1.5,
+            'driver.adc_bits': 8,
+            'driver.samples_per_message': 64,
+            'driver.calibration_samples': 1024,
+            'integrator.method': 'trapezoid',
+            'integrator.axes': ['x', 'y'],
+            'integrator.window_minimum': -0.474,
+            'integrator.window_maximum': 0.474,
+            'integrator.movement_end': 'each',
+            'integrator.movement_end_samples': 25,
+        },
+        other={
+            'driver.samples_per_message': 16,
+            'integrator.window_minimum': -0.316,
+            'integrator.window_maximum': 0.316,
+        },
+    ),
+    Preset(
+        'mbed',
+        'The mbed tutorial "Dead Reckoning": an ADXL345 at ±16 g and 3200 Hz, averaged to 100 Hz, '
+        'distance along the heading of a compass, logged for 15 s. Run `pipeline` and '
+        '`compass_driver` with it; a vehicle of the simulator drives them in curves.',
+        {
+            'driver.motion': 'vehicle',
+            'driver.sensor': 'adxl345',
+            'driver.range_g': 16.0,
+            'driver.sample_rate': 3200.0,
+            'driver.samples_per_message': 32,
+            'driver.vehicle.length': 6.0,
+            'driver.vehicle.width': 3.0,
+            'driver.vehicle.loops': 1,
+            'driver.vehicle.loop_time': 9.0,
+            'driver.vehicle.pause': 0.7,
+            'gravity.attitude': 'rest',
+            'integrator.method': 'trapezoid',
+            'integrator.axes': ['x'],
+            'integrator.window_minimum': -0.06,
+            'integrator.window_maximum': 0.06,
+            'pipeline.source': 'simulated',
+            'pipeline.log_csv': 'results.csv',
+            'pipeline.duration': 15.0,
+        },
     ),
     Preset(
         'an900',
@@ -75,6 +129,8 @@ def yaml_of(preset: Preset) -> str:
             lines += ['', f'    # {part.prefix}: {_first_line(part)}']
         for parameter in chosen:
             lines += _entry(parameter, part, preset.values)
+            if parameter.key in preset.other:
+                lines.append(f'    # {parameter.key}: {_yaml(preset.other[parameter.key])}')
     return '\n'.join(lines) + '\n'
 
 

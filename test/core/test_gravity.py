@@ -23,7 +23,8 @@ from dead_reckoning.core.errors import (
     SupersededError,
     ZeroStampError,
 )
-from dead_reckoning.core.gravity import GravityRemoval, GravitySettings
+from dead_reckoning.core.gravity import GravityRemoval
+from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import (
     matrix_from_quaternion,

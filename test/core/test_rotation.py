@@ -10,12 +10,14 @@ from hypothesis import strategies as st
 
 from dead_reckoning.core.errors import NotFiniteError
 from dead_reckoning.core.rotation import (
+    composed,
     cross_covariance,
     euler_from_gravity,
     isotropic,
     matrix_from_quaternion,
     normalized,
     quaternion_from_euler,
+    quaternion_from_turn,
     rotate,
     rotate_back,
     rotate_covariance,
@@ -191,3 +193,28 @@ def test_quaternion_of_other_length_means_the_same_rotation(quaternion, scale):
 def test_what_is_no_rotation_is_refused(quaternion):
     with pytest.raises(NotFiniteError, match='no rotation'):
         normalized(quaternion)
+
+
+@given(quaternions, quaternions, vectors)
+def test_composed_turns_one_after_the_other(first, second, vector):
+    both = matrix_from_quaternion(composed(second, first))
+    inner = rotate(matrix_from_quaternion(first), vector)
+    expected = rotate(matrix_from_quaternion(second), inner)
+    assert rotate(both, vector) == pytest.approx(expected, abs=1e-9)
+
+
+@given(st.tuples(*[st.floats(-4.0, 4.0)] * 3))
+def test_turn_is_that_of_rodrigues(turn):
+    angle = float(np.linalg.norm(turn))
+    k = cross(np.divide(turn, angle)) if angle > 1e-12 else np.zeros((3, 3))
+    expected = np.eye(3) + sin(angle) * k + (1.0 - cos(angle)) * k @ k
+    rotation = array(matrix_from_quaternion(quaternion_from_turn(turn)))
+    np.testing.assert_allclose(rotation, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize('angle', [0.0, 1e-9, 0.99e-4, 1.01e-4, 1e-3])
+def test_small_turn_is_exact_to_rounding(angle):
+    x, y, z, w = quaternion_from_turn((0.0, angle, 0.0))
+    assert (x, z) == (0.0, 0.0)
+    assert y == pytest.approx(sin(angle / 2.0), rel=1e-14, abs=0.0)
+    assert w == pytest.approx(cos(angle / 2.0), rel=1e-15)

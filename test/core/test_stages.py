@@ -7,23 +7,33 @@ from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import (
     GapError,
     GravityError,
+    MissingRateError,
     NotFiniteError,
     NotLevelledError,
     RepeatedStampError,
     RestartError,
     UnpairedError,
 )
-from dead_reckoning.core.gravity import GravityRemoval, GravitySettings
+from dead_reckoning.core.gravity import GravityRemoval
+from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integrator import Integrator, IntegratorSettings
 from dead_reckoning.core.rest import GRAVITY
-from dead_reckoning.core.samples import IDENTITY_QUATERNION, ImuSample, LinearAcceleration
+from dead_reckoning.core.rotation import quaternion_from_euler
+from dead_reckoning.core.samples import (
+    IDENTITY_QUATERNION,
+    ZERO,
+    ImuSample,
+    LinearAcceleration,
+)
 from dead_reckoning.core.stages import (
     ACCELERATION,
+    COMPASS,
     IMU,
     ODOMETRY,
     RAW,
     STATIONARY,
     gravity_input,
+    gravity_inputs,
     gravity_stage,
     integrator_stage,
 )
@@ -63,6 +73,36 @@ def test_gravity_removal_takes_the_topic_that_fits_its_attitude(attitude, topic)
     chain = gravity_chain(attitude)
     assert chain.push(topic, oriented(0)) != []
     assert chain.push(other, oriented(1)) == []
+
+
+@pytest.mark.parametrize('attitude', ['rest', 'estimate'])
+def test_compass_is_taken_where_the_attitude_does_not_come_with_the_imu(attitude):
+    assert gravity_inputs(attitude) == (RAW, COMPASS)
+    chain = gravity_chain(attitude)
+    yaw = quaternion_from_euler(0.0, 0.0, 1.0)
+    compass = ImuSample(STEP_NS, 'compass_link', ZERO, orientation=yaw)
+    assert chain.push(COMPASS, compass) == []
+    for step in range(51):
+        sample = ImuSample(
+            (step + 1) * STEP_NS, 'imu_link', (0.0, 0.0, GRAVITY), angular_velocity=ZERO
+        )
+        outputs = dict(chain.push(RAW, sample))
+    assert outputs[IMU].orientation == pytest.approx(yaw)
+    ((name, error),) = chain.push(COMPASS, compass)
+    assert name == FAULT
+    assert isinstance(error, RepeatedStampError)
+
+
+def test_message_with_its_attitude_needs_no_compass():
+    assert gravity_inputs('message') == (IMU,)
+    compass = ImuSample(STEP_NS, 'compass_link', ZERO, orientation=IDENTITY_QUATERNION)
+    assert gravity_chain('message').push(COMPASS, compass) == []
+
+
+def test_imu_without_a_gyro_is_a_fault_where_one_is_needed():
+    ((name, error),) = gravity_chain('estimate').push(RAW, imu(0))
+    assert name == FAULT
+    assert isinstance(error, MissingRateError)
 
 
 def test_imu_that_came_without_an_attitude_goes_out_with_one():

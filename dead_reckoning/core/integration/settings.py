@@ -75,6 +75,14 @@ class IntegratorSettings(Settings, prefix='integrator'):
         minimum=0.0,
         maximum=1.0,
     )
+    heading_deviation: float = parameter(
+        0.04,
+        'One sigma of the part of the heading error that changes as the body turns, as iron near '
+        'a compass makes it; with a single axis only',
+        unit='rad',
+        minimum=0.0,
+        maximum=3.2,
+    )
     bias_walk: float = parameter(
         0.001,
         'One sigma by which the offset wanders in a second; method kalman only',

@@ -24,7 +24,12 @@ from dead_reckoning.sources import motions
 
 START_NS = 1_700_000_000_000_000_000
 DT = 0.01
-BARE = {'window_minimum': 0.0, 'window_maximum': 0.0, 'movement_end': 'off'}
+BARE = {
+    'window_minimum': 0.0,
+    'window_maximum': 0.0,
+    'movement_end': 'off',
+    'heading_deviation': 0.0,
+}
 METHODS = ['trapezoid', 'euler']
 
 
@@ -207,6 +212,7 @@ def only_yaw(deviation):
 
 
 QUIET = {'noise_deviation': 0.0}
+SURE = (1e-12, 0.0, 0.0, 0.0, 1e-12, 0.0, 0.0, 0.0, 1e-12)
 
 
 @pytest.mark.parametrize('method', METHODS)
@@ -242,6 +248,20 @@ def test_one_heading_error_cancels_where_the_way_closes(method):
         x, y, _ = state.position
         deviations = np.sqrt(np.array(state.position_covariance)[::4])
         assert deviations[:2] == pytest.approx([0.1 * abs(y), 0.1 * abs(x)], abs=0.03)
+
+
+@pytest.mark.parametrize('method', METHODS)
+def test_heading_error_that_changes_with_the_heading_does_not_cancel(method):
+    truth, attitudes = driven(100, 80.0)
+    known = {'offset_deviation': 0.0, 'scale_deviation': 0.0, 'heading_deviation': 0.04}
+    states = run(
+        integrator(method, common=QUIET, **known), truth.acceleration, attitudes, attitude=SURE
+    )
+    home = np.linalg.norm(truth.position[4000:6000], axis=1).argmin() + 4000
+    deviations = np.sqrt(np.array(states[home].position_covariance)[::4])
+    assert (deviations[:2] > 0.2).all()
+    assert (deviations[:2] < 0.04 * 122.0).all()
+    assert deviations[2] < 0.01
 
 
 @pytest.mark.parametrize('method', METHODS)
