@@ -17,6 +17,8 @@ import pytest
 DOMAINS = range(102)
 """Domains whose ports stay below those that Linux hands out to anyone."""
 
+SHARED_MEMORY = Path('/dev/shm')
+
 os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ.pop('ROS_LOCALHOST_ONLY', None)
@@ -43,6 +45,7 @@ def claimed_domain() -> Iterator[int]:
             continue
         try:
             if _is_silent(domain):
+                _clear(domain)
                 yield domain
                 return
         finally:
@@ -58,6 +61,15 @@ def _is_silent(domain: int) -> bool:
         except OSError:
             return False
     return True
+
+
+def _clear(domain: int) -> None:
+    """Remove the shared memory of killed participants, on which new ones may hang for ever."""
+    first = 7400 + 250 * domain
+    for port in range(first, first + 250):
+        for name in (f'fastrtps_port{port}', f'fastrtps_port{port}_el'):
+            (SHARED_MEMORY / name).unlink(missing_ok=True)
+        (SHARED_MEMORY / f'sem.fastrtps_port{port}_mutex').unlink(missing_ok=True)
 
 
 @pytest.fixture

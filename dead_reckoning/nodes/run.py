@@ -69,6 +69,8 @@ def _spin(node: ChainNode, stop: _StopRequest) -> None:
             # The events executor's own spin() hears neither signals nor a shutdown.
             executor.spin_once(timeout_sec=SPIN_TIMEOUT)
     finally:
+        # Before the context ends: an executor that is collected after it complains.
+        executor.shutdown()
         node.destroy_node()
 
 
