@@ -1,4 +1,4 @@
-"""Start the driver of the accelerometer and the nodes that turn its samples into a position."""
+"""Start the driver of the accelerometer and the nodes that make a position and steps of it."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from launch_ros.actions import Node
 from dead_reckoning.sources.driver_settings import DriverSettings
 
 PACKAGE = 'dead_reckoning'
-NODES = ('accelerometer_driver', 'gravity_removal', 'integrator')
+NODES = ('accelerometer_driver', 'gravity_removal', 'integrator', 'pedometer')
 SHARE = Path(__file__).absolute().parents[1]
 RVIZ_CONFIG = SHARE / 'rviz' / 'dead_reckoning.rviz'
 AS_CONFIGURED = 'empty: as the configuration says'
@@ -79,8 +79,15 @@ def _nodes(context: LaunchContext) -> list[Node]:
         for name in NODES
     ]
     if argument('rviz') == 'true':
-        view = ['-d', str(RVIZ_CONFIG)] if RVIZ_CONFIG.is_file() else []
-        nodes.append(Node(package='rviz2', executable='rviz2', arguments=view))
+        # Topics of the view are relative: it shows those of this namespace.
+        nodes.append(
+            Node(
+                package='rviz2',
+                executable='rviz2',
+                namespace=argument('namespace'),
+                arguments=['-d', str(RVIZ_CONFIG)],
+            )
+        )
     return nodes
 
 

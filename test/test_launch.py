@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 LAUNCH = ROOT / 'launch'
-NODES = ('accelerometer_driver', 'gravity_removal', 'integrator')
+NODES = ('accelerometer_driver', 'gravity_removal', 'integrator', 'pedometer')
 PATIENCE = 30.0
 
 pytest.importorskip(

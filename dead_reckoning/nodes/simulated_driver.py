@@ -40,7 +40,8 @@ class SimulatedDriver:
         if now_ns == 0:
             return  # use_sim_time, and no clock yet
         if self._source is None or now_ns < self._last_ns - NANOSECONDS:
-            if self._node.count_subscribers_of(RAW) < self._settings.wait_for_subscribers:
+            listeners = sum(map(self._node.count_subscribers_of, (RAW, GROUND_TRUTH)))
+            if listeners < self._settings.wait_for_subscribers:
                 return
             if self._source is not None:
                 self.front_end = front_end(self._configuration)

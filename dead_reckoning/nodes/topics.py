@@ -35,7 +35,7 @@ def topics(frames: FrameSettings) -> dict[str, Topic]:
     encode_odometry = wire.odometry_encoder(frames.world, frames.body)
     imu = Topic(Imu, wire.encode_imu, wire.decode_imu)
     odometry = Topic(Odometry, encode_odometry, wire.decode_odometry)
-    number = Topic(Float64, wire.encode_float64, latched=True)
+    number = Topic(Float64, wire.encode_float64, wire.decode_float64, latched=True)
     return {
         stages.RAW: imu,
         stages.IMU: imu,
@@ -46,7 +46,7 @@ def topics(frames: FrameSettings) -> dict[str, Topic]:
         stages.ODOMETRY: odometry,
         stages.GROUND_TRUTH: odometry,
         stages.STATIONARY: Topic(Bool, wire.encode_bool, latched=True),
-        stages.STEPS: Topic(UInt32, wire.encode_uint32, latched=True),
+        stages.STEPS: Topic(UInt32, wire.encode_uint32, wire.decode_uint32, latched=True),
         stages.DISTANCE: number,
         stages.STEP_LENGTH: number,
         stages.CADENCE: number,

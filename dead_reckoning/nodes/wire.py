@@ -19,6 +19,7 @@ from typing import Any
 from geometry_msgs.msg import AccelWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu
+from std_msgs.msg import Float64, UInt32
 
 from dead_reckoning.core.errors import WireError
 from dead_reckoning.core.rotation import (
@@ -222,9 +223,26 @@ def encode_uint32(value: int) -> bytes:
     return LITTLE_ENDIAN + _UINT32.pack(value)
 
 
+def decode_uint32(data: bytes) -> int:
+    """Read a std_msgs/UInt32; raises `WireError`."""
+    return int(_read_one(data, UInt32, _UINT32))
+
+
 def encode_float64(value: float) -> bytes:
     """Write a std_msgs/Float64."""
     return LITTLE_ENDIAN + _FLOAT64.pack(value)
+
+
+def decode_float64(data: bytes) -> float:
+    """Read a std_msgs/Float64; raises `WireError`."""
+    return float(_read_one(data, Float64, _FLOAT64))
+
+
+def _read_one(data: bytes, message_type: Any, layout: Struct) -> float:
+    try:
+        return layout.unpack_from(_little_endian(data, message_type), 4)[0]
+    except error as problem:
+        raise _no_message(data, message_type, problem) from problem
 
 
 def _blocks(first: Matrix, second: Matrix) -> tuple[float, ...]:

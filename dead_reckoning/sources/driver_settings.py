@@ -84,7 +84,8 @@ class DriverSettings(Settings, prefix='driver'):
         unit='m/s²', minimum=1e-6, maximum=10.0,
     )  # fmt: skip
     wait_for_subscribers: int = parameter(
-        0, 'Subscribers of imu/data_raw to wait for before the simulated sensor starts',
+        0, 'Subscribers of imu/data_raw and ground_truth/odom, counted together, to wait for '
+        'before the simulated sensor starts',
         minimum=0, maximum=100,
     )  # fmt: skip
 

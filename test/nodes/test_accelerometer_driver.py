@@ -89,7 +89,7 @@ def test_every_motion_runs(ros):
             'driver.motion': name,
             'driver.sample_rate': 400.0,
             'driver.samples_per_message': 40,
-            'driver.wait_for_subscribers': 1,
+            'driver.wait_for_subscribers': 2,
         }
         if name != 'rest':
             parameters[f'driver.{name}.start'] = 0.0

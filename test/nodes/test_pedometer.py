@@ -255,7 +255,7 @@ def test_an900_counts_the_walk_of_its_simulated_sensor(ros):
     ros.start('pedometer', None, *file)
     steps = ros.record(STEPS, UInt32, ALL_OF_IT).connected()
     distance = ros.record(DISTANCE, Float64, ALL_OF_IT).connected()
-    shorter = {'walk.steps': 10, 'walk.cadence': 2.2, 'walk.start': 1.0, 'wait_for_subscribers': 1}
+    shorter = {'walk.steps': 10, 'walk.cadence': 2.2, 'walk.start': 1.0, 'wait_for_subscribers': 2}
     changes = [word for key, value in shorter.items() for word in ('-p', f'driver.{key}:={value}')]
     ros.start('accelerometer_driver', None, *file, *changes)
     raw = ros.record('imu/data_raw', Imu)

@@ -132,7 +132,7 @@ def sliding(module_ros):
         {
             **lossless('/odom', '/ground_truth/odom'),
             'pipeline.source': 'simulated',
-            'driver.wait_for_subscribers': 1,
+            'driver.wait_for_subscribers': 2,
             'driver.slide.start': 1.0,
         },
     )

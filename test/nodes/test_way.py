@@ -35,8 +35,8 @@ def slide(ros, parameters, *arguments, space=''):
     """Run the three nodes over a slide, all found before it starts; return what was recorded."""
     for name in ('gravity_removal', 'integrator'):
         ros.start(name, parameters, *arguments)
-    # The driver waits for gravity removal and for this test, which comes last.
-    waiting = {**parameters, 'driver.wait_for_subscribers': 2}
+    # The driver waits for gravity removal, and for this test on both of its topics.
+    waiting = {**parameters, 'driver.wait_for_subscribers': 3}
     ros.start('accelerometer_driver', waiting, *arguments)
     recordings = Slide()
     for topic, message in TOPICS.items():

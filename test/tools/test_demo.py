@@ -14,7 +14,16 @@ import pytest
 
 pytest.importorskip('rclpy', reason='the demo runs ROS nodes, and rclpy is not installed')
 
-COMMAND = [sys.executable, '-m', 'dead_reckoning.tools.main', 'demo', 'slide', 'square']
+COMMAND = [
+    sys.executable,
+    '-m',
+    'dead_reckoning.tools.main',
+    'demo',
+    'slide',
+    'square',
+    'walk',
+    'mbed',
+]
 MARK = 'DEAD_RECKONING_TEST_RUN'
 
 

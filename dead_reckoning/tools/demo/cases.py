@@ -6,7 +6,42 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from dead_reckoning.tools.demo.views import AlongAxis, InPlane, View
+from dead_reckoning.configuration import Configuration
+from dead_reckoning.core.stages import ACCELERATION, COMPASS, GROUND_TRUTH, ODOMETRY, STEPS
+from dead_reckoning.sources.motions import Steps
+from dead_reckoning.sources.motions.walk import Walk, WalkSettings
+from dead_reckoning.tools.demo.views import AlongAxis, AlongHeading, InPlane, OnFoot, View
+from dead_reckoning.tools.presets import values_of
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Which ``nodes`` to start, and once they have found each other the ``source``.
+
+    ``ends`` are the publishers and subscribers together that topics have by then, the recorder's
+    among them; ``listeners`` the subscribers of `imu/data_raw` and `ground_truth/odom` together
+    that the source waits for.
+    """
+
+    nodes: tuple[str, ...]
+    source: str
+    ends: Mapping[str, int]
+    listeners: int
+
+
+CHAIN = Setup(
+    ('integrator', 'gravity_removal'),
+    'accelerometer_driver',
+    {ODOMETRY: 2, ACCELERATION: 3},
+    listeners=2,
+)
+WALKER = Setup(
+    ('pedometer', 'compass_driver'),
+    'accelerometer_driver',
+    {STEPS: 2, COMPASS: 2, GROUND_TRUTH: 2},
+    listeners=3,
+)
+WITH_COMPASS = Setup(('compass_driver',), 'pipeline', {COMPASS: 1, GROUND_TRUTH: 2}, listeners=2)
 
 
 @dataclass(frozen=True)
@@ -23,6 +58,7 @@ class Case:
     parameters: Mapping[str, Any]
     duration: float
     view: View
+    setup: Setup = CHAIN
     start: float = 4.0
 
     @property
@@ -32,11 +68,29 @@ class Case:
         return {
             **self.parameters,
             f'driver.{motion}.start': self.start,
-            'driver.wait_for_subscribers': 1,
+            'driver.wait_for_subscribers': self.setup.listeners,
         }
 
 
 SLIDE = {'driver.motion': 'slide', 'driver.slide.distance': 0.5, 'driver.slide.duration': 1.0}
+
+WALK = {
+    **values_of('an900'),
+    'driver.walk.roll': 0.0,
+    'driver.walk.heading': 0.5,
+    'pedometer.axes': ['x', 'y', 'z'],
+}
+
+MBED = {
+    key: value
+    for key, value in values_of('mbed').items()
+    if key not in ('pipeline.log_csv', 'pipeline.duration')
+}
+
+
+def _steps(parameters: Mapping[str, Any]) -> Steps:
+    return Walk(Configuration(parameters)[WalkSettings]).steps
+
 
 CASES = (
     Case(
@@ -92,5 +146,29 @@ CASES = (
         },
         duration=9.0,
         view=AlongAxis(2),
+    ),
+    Case(
+        name='walk',
+        title='A walk of 60 steps',
+        words="AN-900's pedometer: an ADXL330 on the belt, worn level here, as the compass beside "
+        'it has to be; 30 messages a second, steps counted on all axes. Each is as long as '
+        'equation (2) makes of the bounce, and leads where the compass points. Nothing has been '
+        'calibrated for this walker.',
+        parameters=WALK,
+        duration=40.0,
+        view=OnFoot(_steps({**WALK, 'driver.walk.start': 4.0})),
+        setup=WALKER,
+    ),
+    Case(
+        name='mbed',
+        title='18 m round an eight, along the heading of a compass',
+        words='The mbed tutorial "Dead Reckoning", on a vehicle: an ADXL345 at 3200 Hz, averaged '
+        'to 100 Hz, and one axis of it integrated to a distance along the heading, with three '
+        'stops. The compass has not been turned around to calibrate it, so iron nearby turns its '
+        'headings by up to 3°.',
+        parameters=MBED,
+        duration=16.0,
+        view=AlongHeading(digits=2),
+        setup=WITH_COMPASS,
     ),
 )

@@ -7,11 +7,12 @@ import os
 import select
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 from dead_reckoning.core.errors import RecordingError, SettingsError
 from dead_reckoning.core.samples import NANOSECONDS
-from dead_reckoning.core.stages import GROUND_TRUTH
+from dead_reckoning.core.stages import GROUND_TRUTH, ODOMETRY
 from dead_reckoning.tools.demo.cases import CASES, Case
 from dead_reckoning.tools.demo.recording import Recording, parse
 from dead_reckoning.tools.demo.views import Row
@@ -26,11 +27,8 @@ SILENCE = 10.0
 MARGIN = 0.3
 """How long [s] before the motion the estimate has to be there."""
 
-READY = 'ready'
-"""What the recorder says when the source may start."""
-
-ESTIMATORS = ('integrator', 'gravity_removal')
-DRIVER = 'accelerometer_driver'
+ENDS = 'ends'
+"""How a line begins with which the recorder says who is there."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -82,21 +80,24 @@ def run(case: Case) -> Recording:
     """
     surroundings = environment()
     domain = surroundings['ROS_DOMAIN_ID']
-    count = len(ESTIMATORS) + 1
+    setup = case.setup
+    count = len(setup.nodes) + 1
     print(f'{case.title}: starting {count} nodes on ROS_DOMAIN_ID {domain}', flush=True)
     with interruptible() as interruption, Nodes(surroundings) as nodes:
         output = nodes.start('recorder', {}, read=True)
-        for module in ESTIMATORS:
-            nodes.start(module, case.all_parameters)
+        for name in setup.nodes:
+            nodes.start(name, case.all_parameters)
         lines = Lines(output.fileno(), nodes, interruption)
-        lines.wait_until_ready()
-        nodes.start(DRIVER, case.all_parameters)
-        recording = parse(_collect(case, lines))
-    if recording.estimate.time[0] > case.start - MARGIN:
-        raise RecordingError(
-            f'the estimate begins {recording.estimate.time[0]:.1f} s after the start, too close '
-            'to the motion: the machine is too busy, run the demo again'
-        )
+        lines.wait_for(setup.ends)
+        nodes.start(setup.source, case.all_parameters)
+        recording = parse(_collect(case, lines), case.view.topics)
+    if ODOMETRY in case.view.topics:
+        begin = recording.track(ODOMETRY).time[0]
+        if begin > case.start - MARGIN:
+            raise RecordingError(
+                f'the estimate begins {begin:.1f} s after the start, too close to the motion: the '
+                'machine is too busy, run the demo again'
+            )
     return recording
 
 
@@ -109,12 +110,23 @@ class Lines:
         self._interruption = interruption
         self._rest = b''
 
-    def wait_until_ready(self) -> None:
-        """Return once the recorder sees the estimators; raises `RecordingError` if it doesn't."""
+    def wait_for(self, ends: Mapping[str, int]) -> None:
+        """Return once topics have that many publishers and subscribers together.
+
+        Raises `RecordingError` if they do not get them.
+        """
+        missing = dict(ends)
         deadline = time.monotonic() + START_DEADLINE
-        while READY not in self.read():
+        while missing:
             if time.monotonic() > deadline:
-                raise RecordingError(f'the nodes did not find each other in {START_DEADLINE:g} s')
+                raise RecordingError(
+                    f'the nodes did not find each other in {START_DEADLINE:g} s: too few '
+                    f'publishers and subscribers of {", ".join(missing)}'
+                )
+            for line in self.read():
+                word, *rest = line.split()
+                if word == ENDS and int(rest[1]) >= missing.get(rest[0], int(rest[1]) + 1):
+                    del missing[rest[0]]
 
     def read(self) -> list[str]:
         """Return the lines that came, none after a short while without.
@@ -141,8 +153,10 @@ def _collect(case: Case, lines: Lines) -> list[str]:
         if time.monotonic() > deadline:
             raise RecordingError(f'no samples came for {SILENCE:g} s')
         for line in lines.read():
-            collected.append(line)
             topic, stamp_ns, _ = line.split(maxsplit=2)
+            if topic == ENDS:
+                continue
+            collected.append(line)
             if topic == GROUND_TRUTH:
                 first_ns = int(stamp_ns) if first_ns is None else first_ns
                 reached = (int(stamp_ns) - first_ns) / NANOSECONDS
@@ -177,6 +191,6 @@ def table(rows: list[Row]) -> str:
     """Return the table of a run as text."""
     lines = [f'  {"":24}{"truth":>10}{"estimate":>10}{"error":>10}']
     for row in rows:
-        name = f'{row.quantity} [{row.unit}]'
-        lines.append(f'  {name:24}{row.truth:10.4f}{row.estimate:10.4f}{row.error:+10.4f}')
+        name, truth, estimate, error = row.cells
+        lines.append(f'  {name:24}{truth:>10}{estimate:>10}{error:>10}')
     return '\n'.join(lines)

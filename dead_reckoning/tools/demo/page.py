@@ -54,6 +54,10 @@ def write(path: Path, results: list[Result]) -> None:
 
 def _section(result: Result) -> str:
     case, recording = result.case, result.recording
+    counts = ', '.join(
+        f'{len(series.time)} on <code>{escape(topic)}</code>'
+        for topic, series in recording.series.items()
+    )
     pictures = '\n'.join(_picture(path) for path in result.pictures)
     settings = ', '.join(
         f'<code>{escape(k)}: {escape(str(v))}</code>' for k, v in case.parameters.items()
@@ -63,8 +67,8 @@ def _section(result: Result) -> str:
 <p>{escape(case.words)}</p>
 {table(result.rows)}
 {pictures}
-<p class="note">{escape(case.view.remark(recording))} {len(recording.estimate.time)} estimates came
-of {len(recording.acceleration_time)} linear accelerations.</p>
+<p class="note">{escape(case.view.remark(recording))}</p>
+<p class="note">Messages: {counts}.</p>
 <p class="note">Settings beyond the defaults: {settings}</p>
 """
 
@@ -77,8 +81,7 @@ def _picture(path: Path) -> str:
 def table(rows: list[Row]) -> str:
     """Return the table of a run as HTML."""
     lines = ''.join(
-        f'<tr><td>{escape(row.quantity)} [{escape(row.unit)}]</td><td>{row.truth:.4f}</td>'
-        f'<td>{row.estimate:.4f}</td><td>{row.error:+.4f}</td></tr>'
+        '<tr>' + ''.join(f'<td>{escape(cell)}</td>' for cell in row.cells) + '</tr>'
         for row in rows
     )
     return (

@@ -13,7 +13,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from dead_reckoning.tools.demo.recording import Recording
+from dead_reckoning.core.stages import ACCELERATION, ODOMETRY
+from dead_reckoning.tools.demo.recording import Array, Recording, Series, Track
 
 RED = '#c0392b'
 TRUTH = {'color': '#9a9a9a', 'linewidth': 4.0, 'label': 'truth'}
@@ -35,53 +36,56 @@ def save(path: Path, draw: Callable[[Axes], None], height: float = 3.4) -> Path:
 
 def acceleration(axes: Axes, recording: Recording, axis: int) -> None:
     """Draw the linear acceleration along an axis over time."""
-    truth = recording.truth
+    truth, removed = recording.truth, recording.series[ACCELERATION]
     axes.plot(truth.time, np.gradient(truth.velocity[:, axis], truth.time), **TRUTH)
-    axes.plot(
-        recording.acceleration_time,
-        recording.acceleration[:, axis],
-        **{**ESTIMATE, 'label': 'gravity removed'},
-    )
+    axes.plot(removed.time, removed.values[:, axis], **{**ESTIMATE, 'label': 'gravity removed'})
     _over_time(axes, f'acceleration {"xyz"[axis]} [m/s²]')
 
 
 def velocity(axes: Axes, recording: Recording, axis: int) -> None:
     """Draw the velocity along an axis over time."""
-    axes.plot(recording.truth.time, recording.truth.velocity[:, axis], **TRUTH)
-    axes.plot(recording.estimate.time, recording.estimate.velocity[:, axis], **ESTIMATE)
+    truth, estimate = recording.truth, recording.track(ODOMETRY)
+    axes.plot(truth.time, truth.velocity[:, axis], **TRUTH)
+    axes.plot(estimate.time, estimate.velocity[:, axis], **ESTIMATE)
     _over_time(axes, f'velocity {"xyz"[axis]} [m/s]')
 
 
 def position(axes: Axes, recording: Recording, axis: int) -> None:
     """Draw the position along an axis over time, with its published deviation."""
-    estimate = recording.estimate
+    truth, estimate = recording.truth, recording.track(ODOMETRY)
     middle, sigma = estimate.position[:, axis], estimate.deviation[:, axis]
     _band(axes, estimate.time, middle - sigma, middle + sigma)
-    axes.plot(recording.truth.time, recording.truth.position[:, axis], **TRUTH)
+    axes.plot(truth.time, truth.position[:, axis], **TRUTH)
     axes.plot(estimate.time, middle, **ESTIMATE)
     _over_time(axes, f'position {"xyz"[axis]} [m]')
 
 
-def way(axes: Axes, recording: Recording) -> None:
+def way(axes: Axes, truth: Track, estimate: Track) -> None:
     """Draw the way in the plane, to scale."""
-    axes.plot(recording.truth.position[:, 0], recording.truth.position[:, 1], **TRUTH)
-    axes.plot(recording.estimate.position[:, 0], recording.estimate.position[:, 1], **ESTIMATE)
-    axes.plot(*recording.estimate.position[-1, :2], 'o', color=RED, label='end')
+    axes.plot(*truth.position[:, :2].T, **TRUTH)
+    axes.plot(*estimate.position[:, :2].T, **ESTIMATE)
+    axes.plot(*estimate.position[-1, :2], 'o', color=RED, label='end')
     axes.set_aspect('equal', adjustable='datalim')
     axes.set_xlabel('x [m]')
     axes.set_ylabel('y [m]')
 
 
-def error(axes: Axes, recording: Recording) -> None:
+def error(axes: Axes, truth: Track, estimate: Track) -> None:
     """Draw the distance from the truth in the plane over time, with its published deviation."""
-    estimate, truth = recording.estimate, recording.truth_at_estimate
-    off = np.linalg.norm((estimate.position - truth.position)[:, :2], axis=1)
+    off = np.linalg.norm((estimate.position - truth.at(estimate.time).position)[:, :2], axis=1)
     _band(axes, estimate.time, 0.0 * off, np.linalg.norm(estimate.deviation[:, :2], axis=1))
     axes.plot(estimate.time, off, **{**ESTIMATE, 'label': 'distance from the truth'})
     _over_time(axes, 'error [m]')
 
 
-def _band(axes: Axes, time, low, high) -> None:
+def steps(axes: Axes, landed: Array, counted: Series) -> None:
+    """Draw the steps as they were walked, at times of shape (n,) [s], and as they were counted."""
+    axes.step(np.append(0.0, landed), np.arange(len(landed) + 1), where='post', **TRUTH)
+    axes.step(counted.time, counted.values[:, 0], where='post', **ESTIMATE)
+    _over_time(axes, 'steps')
+
+
+def _band(axes: Axes, time: Array, low: Array, high: Array) -> None:
     axes.fill_between(
         time, low, high, color=RED, alpha=0.12, linewidth=0.0, label='one sigma, as published'
     )

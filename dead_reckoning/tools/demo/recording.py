@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,9 +10,17 @@ from numpy.typing import NDArray
 
 from dead_reckoning.core.errors import RecordingError
 from dead_reckoning.core.samples import NANOSECONDS
-from dead_reckoning.core.stages import ACCELERATION, GROUND_TRUTH, ODOMETRY
+from dead_reckoning.core.stages import GROUND_TRUTH
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """Numbers, shape (n, m), at n times [s] from the first truth on."""
+
+    time: Array
+    values: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,62 +37,55 @@ class Track:
         """Length of the way [m]."""
         return float(np.linalg.norm(np.diff(self.position, axis=0), axis=1).sum())
 
+    def at(self, time: Array) -> Track:
+        """Return the track at other times, shape (m,) [s], by straight lines between its own."""
+        position, velocity, deviation = (
+            np.column_stack([np.interp(time, self.time, column) for column in part.T])
+            for part in (self.position, self.velocity, self.deviation)
+        )
+        return Track(time, position, velocity, deviation)
 
-@dataclass(frozen=True, eq=False)
+
 class Recording:
-    """Truth, estimate and linear acceleration, shape (m, 3) [m/s²], of one run, world frame."""
+    """All that came of one run, in the world frame."""
 
-    truth: Track
-    estimate: Track
-    acceleration_time: Array
-    acceleration: Array
+    def __init__(self, series: Mapping[str, Series]) -> None:
+        """``series`` by topic."""
+        self.series = series
+
+    def track(self, topic: str) -> Track:
+        """Return an Odometry topic, up to where the truth ends."""
+        series, end = self.series[topic], self.series[GROUND_TRUTH].time[-1]
+        within = (series.time >= 0.0) & (series.time <= end)
+        if not within.any():
+            raise RecordingError(f'nothing came on {topic} while there was truth')
+        values = series.values[within]
+        return Track(series.time[within], values[:, 0:3], values[:, 3:6], values[:, 6:9])
 
     @property
-    def truth_at_estimate(self) -> Track:
-        """The truth at the stamps of the estimate."""
-        index = np.searchsorted(self.truth.time, self.estimate.time)
-        t = self.truth
-        return Track(t.time[index], t.position[index], t.velocity[index], t.deviation[index])
-
-    @property
-    def error_at_end(self) -> Array:
-        """Where the estimate ends, less where the truth is then, shape (3,) [m]."""
-        error: Array = self.estimate.position[-1] - self.truth_at_estimate.position[-1]
-        return error
+    def truth(self) -> Track:
+        """The truth."""
+        return self.track(GROUND_TRUTH)
 
 
-def parse(lines: Iterable[str]) -> Recording:
-    """Read the lines of the node `recorder`.
+def parse(lines: Iterable[str], topics: Collection[str]) -> Recording:
+    """Read the lines of the node `recorder`; lines that name no topic of these are left out.
 
-    Raises `RecordingError` where a topic is missing, or an Odometry has no truth of its stamp.
+    Raises `RecordingError` where one of ``topics`` is missing.
     """
-    rows: dict[str, dict[int, list[float]]] = {GROUND_TRUTH: {}, ODOMETRY: {}, ACCELERATION: {}}
+    rows: dict[str, dict[int, list[float]]] = {GROUND_TRUTH: {}, **{name: {} for name in topics}}
     for line in lines:
         topic, stamp_ns, *numbers = line.split()
-        rows[topic][int(stamp_ns)] = [float(number) for number in numbers]
+        if topic in rows:
+            rows[topic][int(stamp_ns)] = [float(number) for number in numbers]
     for topic, samples in rows.items():
         if not samples:
             raise RecordingError(f'nothing came on {topic}')
     start_ns = min(rows[GROUND_TRUTH])
-    # A truth that is still on its way when the recording ends is no fault; one lost within is.
-    last_ns = max(rows[GROUND_TRUTH])
-    estimates = {ns: row for ns, row in rows[ODOMETRY].items() if start_ns <= ns <= last_ns}
-    lost = [ns for ns in estimates if ns not in rows[GROUND_TRUTH]]
-    if lost or not estimates:
-        raise RecordingError(
-            f'{len(lost)} of {len(estimates)} estimates have no truth beside them'
-        )
 
-    def table(samples: dict[int, list[float]]) -> tuple[Array, Array]:
+    def series(samples: dict[int, list[float]]) -> Series:
         order = sorted(samples)
         time = (np.array(order, dtype=np.int64) - start_ns) / NANOSECONDS
-        return time, np.array([samples[ns] for ns in order])
+        return Series(time, np.array([samples[ns] for ns in order]))
 
-    def track(samples: dict[int, list[float]]) -> Track:
-        time, values = table(samples)
-        return Track(time, values[:, 0:3], values[:, 3:6], values[:, 6:9])
-
-    acceleration_time, acceleration = table(rows[ACCELERATION])
-    return Recording(
-        track(rows[GROUND_TRUTH]), track(estimates), acceleration_time, acceleration[:, 0:3]
-    )
+    return Recording({topic: series(samples) for topic, samples in rows.items()})

@@ -1,0 +1,106 @@
+"""The presets: which values the files of config/ choose, and what for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A file of config/: what it is for, and the values that differ from the defaults.
+
+    ``whole`` writes every parameter, else only those that differ.  ``other`` values are another
+    choice, which the words explain: they stand below the first as comments.
+    """
+
+    name: str
+    words: str
+    values: Mapping[str, Any]
+    whole: bool = False
+    other: Mapping[str, Any] = field(default_factory=dict)
+
+
+PRESETS = (
+    Preset(
+        'mma7260qt',
+        'The default: an MMA7260QT at ±1.5 g behind a 12-bit ADC, simulated. Every parameter of '
+        'every node is here with its default; what is commented out follows from other values.',
+        {},
+        whole=True,
+    ),
+    Preset(
+        'an3397',
+        'Freescale AN3397: an MMA7260QT at ±1.5 g behind an 8-bit ADC, moved about in the plane; '
+        '64 conversions a sample, a window of ±3 counts of 16.1 mg, 25 quiet samples that end the '
+        'movement of an axis. As comments its other choice, "±2 sample steps for an average of '
+        '16 samples".',
+        {
+            'driver.motion': 'square',
+            'driver.sensor': 'mma7260qt',
+            'driver.range_g': 1.5,
+            'driver.adc_bits': 8,
+            'driver.samples_per_message': 64,
+            'driver.calibration_samples': 1024,
+            'integrator.method': 'trapezoid',
+            'integrator.axes': ['x', 'y'],
+            'integrator.window_minimum': -0.474,
+            'integrator.window_maximum': 0.474,
+            'integrator.movement_end': 'each',
+            'integrator.movement_end_samples': 25,
+        },
+        other={
+            'driver.samples_per_message': 16,
+            'integrator.window_minimum': -0.316,
+            'integrator.window_maximum': 0.316,
+        },
+    ),
+    Preset(
+        'mbed',
+        'The mbed tutorial "Dead Reckoning": an ADXL345 at ±16 g and 3200 Hz, averaged to 100 Hz, '
+        'distance along the heading of a compass, logged for 15 s. Run `pipeline` and '
+        '`compass_driver` with it; a vehicle of the simulator drives them in curves.',
+        {
+            'driver.motion': 'vehicle',
+            'driver.sensor': 'adxl345',
+            'driver.range_g': 16.0,
+            'driver.sample_rate': 3200.0,
+            'driver.samples_per_message': 32,
+            'driver.vehicle.length': 6.0,
+            'driver.vehicle.width': 3.0,
+            'driver.vehicle.loops': 1,
+            'driver.vehicle.loop_time': 9.0,
+            'driver.vehicle.pause': 0.7,
+            'gravity.attitude': 'rest',
+            'integrator.method': 'trapezoid',
+            'integrator.axes': ['x'],
+            'integrator.window_minimum': -0.06,
+            'integrator.window_maximum': 0.06,
+            'pipeline.source': 'simulated',
+            'pipeline.log_csv': 'results.csv',
+            'pipeline.duration': 15.0,
+        },
+    ),
+    Preset(
+        'an900',
+        'The pedometer of Analog Devices AN-900: an ADXL330 worn with its y axis up, 30 messages '
+        'a second of four conversions each, steps counted on x and y; simulated, on a walk. A '
+        'device that stands upright has no level rest to find its zero-g offsets in.',
+        {
+            'driver.motion': 'walk',
+            'driver.sensor': 'adxl330',
+            'driver.sample_rate': 120.0,
+            'driver.samples_per_message': 4,
+            'driver.calibrate_on_start': False,
+            'driver.walk.roll': 1.5708,
+            'pedometer.axes': ('x', 'y'),
+            'pedometer.length_model': 'an900_equation2',
+        },
+    ),
+)
+
+
+def values_of(name: str) -> Mapping[str, Any]:
+    """Return the values that a preset chooses."""
+    return next(preset.values for preset in PRESETS if preset.name == name)
