@@ -24,6 +24,7 @@ from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import PipelineSettings
 from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
+from dead_reckoning.sources.hand import HandSettings
 from dead_reckoning.sources.simulated import SimulatedSettings
 from dead_reckoning.sources.simulated_compass import SimulatedCompassSettings
 from dead_reckoning.sources.simulated_gyroscope import GyroSettings
@@ -37,6 +38,7 @@ DRIVER = (
     DriverSettings,
     SimulatedSettings,
     GyroSettings,
+    HandSettings,
     *(motions.motion_class(name).Settings for name in motions.names()),
 )
 """Parts of the accelerometer driver."""

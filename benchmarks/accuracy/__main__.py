@@ -7,10 +7,10 @@ import json
 import sys
 from pathlib import Path
 
-from benchmarks.accuracy import broad, jackal
+from benchmarks.accuracy import airbrakes, broad, jackal, oxford, wrist
 from dead_reckoning.core.errors import DeadReckoningError
 
-KINDS = (jackal, broad)
+KINDS = (jackal, broad, airbrakes, oxford, wrist)
 """One module per kind of recording; each has NAME, PATTERN and `measure`."""
 
 

@@ -30,6 +30,14 @@ def two_and_one(title: str) -> tuple[Figure, tuple[Axes, Axes, Axes]]:
     return figure, (above, below, figure.add_subplot(grid[:, 1]))
 
 
+def one(title: str) -> tuple[Figure, Axes]:
+    """Return a figure with one pair of axes."""
+    figure = Figure(figsize=(12.0, 5.6), dpi=110, layout='constrained')
+    FigureCanvasAgg(figure)
+    figure.suptitle(title)
+    return figure, figure.add_subplot()
+
+
 def legend_above(axes: Axes) -> None:
     """Put the legend of some axes above them, where it hides nothing."""
     axes.legend(loc='lower right', bbox_to_anchor=(1.0, 0.98), ncols=4)

@@ -17,6 +17,7 @@ from dead_reckoning.core.errors import (
 from dead_reckoning.core.heading_wander import HeadingWander
 from dead_reckoning.core.integration import Reading, integration
 from dead_reckoning.core.integration.settings import AXES, IntegratorSettings
+from dead_reckoning.core.movement_end import MovementEnd
 from dead_reckoning.core.rest import RestWindow
 from dead_reckoning.core.rotation import (
     isotropic,
@@ -67,7 +68,7 @@ class Integrator:
         self._wander: HeadingWander | None = None
         if len(self._axes) == 1:
             self._wander = HeadingWander(settings.heading_deviation, self._axes[0])
-        self._quiet = [0, 0, 0]
+        self._movement_end = MovementEnd()
         self._stationary = False
         self._calibration = Work()
         self._window: RestWindow | None = None
@@ -116,23 +117,27 @@ class Integrator:
         if self._timeline.restarts != restarts:
             self._give_up_calibration(NotAtRestError('the stamps went back meanwhile: ask again'))
         reading = self._read(accel_w, matrix_from_quaternion(orientation), imu)
-        self._count_quiet(reading, step_ns)
+        dt = (step_ns or 0) / NANOSECONDS
+        gap = dt > self.settings.max_gap
+        if step_ns is None or gap:
+            self._movement_end.clear()
+        self._movement_end.add(reading.accel_s, self.settings)
         if step_ns is None:
             self._integration.start(reading)
-        elif step_ns > self.settings.max_gap * NANOSECONDS:
+        elif gap:
             self.gaps += 1
-            self._integration.gap(step_ns / NANOSECONDS, reading)
-        elif self._stationary and len(self._ended()) == len(self._axes):
-            self._integration.hold(step_ns / NANOSECONDS, reading)
+            self._integration.gap(dt, reading)
+        elif self._stationary and reading.kept_s == ZERO:
+            self._integration.hold(dt, reading)
         else:
-            self._integration.step(step_ns / NANOSECONDS, reading)
+            self._integration.step(dt, reading)
         stationary = self._stationary = self._check_movement_end(reading)
         position, velocity = self._integration.position, self._integration.velocity
         position_covariance, velocity_covariance = self._integration.covariances(stationary)
         if self._wander is not None:
             if step_ns is None:
                 self._wander.reset()
-            self._wander.step((step_ns or 0) / NANOSECONDS, reading.rot_ws, velocity)
+            self._wander.step(dt, reading.rot_ws, velocity)
             position_covariance, velocity_covariance = self._wander.added(
                 position_covariance, velocity_covariance, velocity
             )
@@ -175,30 +180,27 @@ class Integrator:
             noise,
         )
 
-    def _count_quiet(self, reading: Reading, step_ns: int | None) -> None:
-        """Count the samples in a row that each axis has been inside the window."""
-        quiet = self._quiet
-        anew = step_ns is None or step_ns > self.settings.max_gap * NANOSECONDS
-        for index in self._axes:
-            if reading.kept_s[index] != 0.0:
-                quiet[index] = 0
-            else:
-                quiet[index] = 1 if anew else quiet[index] + 1
-
     def _ended(self) -> list[int]:
         """List the axes of the sensor along which the movement has ended."""
         if self.settings.movement_end == 'off':
             return []
-        needed = self.settings.movement_end_samples
-        return [index for index in self._axes if self._quiet[index] >= needed]
+        return [axis for axis in self._axes if self._movement_end.ended(axis, self.settings)]
 
     def _check_movement_end(self, reading: Reading) -> bool:
+        """Say whether the body rests; what is inside the window then has no velocity.
+
+        A sample outside may be the tremor of a rest or begin a movement: it is integrated, and
+        counts only if one inside follows before the movement shows.
+        """
         ended = self._ended()
+        inside = [axis for axis in ended if reading.kept_s[axis] == 0.0]
         if len(ended) == len(self._axes):
-            self._integration.stop()
-            return True
-        if ended and self.settings.movement_end == 'each':
-            self._integration.stop_along(ended, reading)
+            if len(inside) == len(ended):
+                self._integration.stop()
+                return True
+            return self._stationary
+        if inside and self.settings.movement_end == 'each':
+            self._integration.stop_along(inside, reading)
         return False
 
     def _give_up_calibration(self, error: DeadReckoningError) -> None:

@@ -7,6 +7,7 @@ from dead_reckoning.core.front_end import FrontEnd
 from dead_reckoning.core.parameters import Parts
 from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
+from dead_reckoning.sources.hand import HandSettings, Held
 from dead_reckoning.sources.simulated import SimulatedAccelerometer, SimulatedSettings
 from dead_reckoning.sources.simulated_gyroscope import GyroSettings, SimulatedGyroscope
 
@@ -32,7 +33,11 @@ def simulated_sensor(parts: Parts, start_ns: int) -> SimulatedAccelerometer:
         parts[SimulatedSettings],
         parts[GyroSettings],
     )
-    motion = motions.motion_class(driver.motion)
+    kind = motions.motion_class(driver.motion)
+    motion: motions.Motion = kind(parts[kind.Settings])
+    hand = parts[HandSettings]
+    if hand.enabled:
+        motion = Held(motion, hand, simulated.seed)
     model = gyro.model(driver.sample_rate)
     gyroscope = (
         SimulatedGyroscope(gyro, model, driver.sample_rate, simulated.seed) if model else None
@@ -41,7 +46,7 @@ def simulated_sensor(parts: Parts, start_ns: int) -> SimulatedAccelerometer:
         simulated,
         driver.part,
         driver.model(),
-        motion(parts[motion.Settings]),
+        motion,
         driver.sample_rate,
         start_ns,
         gyroscope,

@@ -311,9 +311,47 @@ def test_twenty_five_samples_by_default():
 
 def test_one_sample_outside_starts_the_count_anew():
     accelerations = quiet_after_push(24 + 1 + 25)
-    accelerations[34] = 0.06
+    accelerations[34] = 1.0
     stationary = [state.stationary for state in run(integrator(), accelerations)]
     assert stationary == [False] * 59 + [True]
+
+
+def test_tremor_is_rest_and_moves_next_to_nothing():
+    """8 Hz, half of its samples outside the window: a centimetre a minute is what may stay."""
+    tremor = 0.15 * np.sin(2 * np.pi * 8.0 * 0.01 * np.arange(6000))
+    states = run(integrator(), tremor)
+    assert not states[23].stationary
+    assert all(state.stationary for state in states[60:])
+    assert abs(states[-1].position[0]) < 0.01
+    assert states[-1].position_covariance[0] < 1.0
+
+
+@pytest.mark.parametrize(
+    ('accelerations', 'why'),
+    [
+        (0.5 * np.sin(2 * np.pi * 8.0 * 0.01 * np.arange(200)), 'it shakes'),
+        (0.06 + 0.1 * np.sin(2 * np.pi * 8.0 * 0.01 * np.arange(200)), 'it speeds up'),
+    ],
+    ids=lambda value: value if isinstance(value, str) else '',
+)
+def test_what_moves_is_no_rest(accelerations, why):
+    assert not any(state.stationary for state in run(integrator(), accelerations)), why
+
+
+def test_movement_out_of_a_tremor_loses_nothing():
+    """The first samples outside the window are integrated, though they still pass for tremor."""
+    rest = 0.15 * np.sin(2 * np.pi * 8.0 * 0.01 * np.arange(200))
+    push = np.linspace(0.0, 1.0, 51)
+    before, after = (
+        run(integrator(movement_end=end), np.concatenate((rest, push)))[-1].velocity[0]
+        for end in ('off', 'all')
+    )
+    assert after == pytest.approx(before, abs=0.005)
+
+
+def test_a_huge_value_leaves_nothing_behind():
+    accelerations = np.concatenate(([1e9], np.zeros(200)))
+    assert run(integrator(), accelerations)[-1].stationary
 
 
 def test_rest_from_the_start_is_found():
@@ -638,4 +676,5 @@ def test_what_may_change_while_running_says_so():
         'window_maximum',
         'movement_end',
         'movement_end_samples',
+        'movement_end_deviation',
     }

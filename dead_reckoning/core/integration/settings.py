@@ -47,9 +47,18 @@ class IntegratorSettings(Settings, prefix='integrator'):
     )
     movement_end_samples: int = parameter(
         25,
-        'Consecutive samples inside the window that end a movement',
+        'Samples of rest in a row that end a movement; rest is when the mean of as many samples is '
+        'inside the window',
         minimum=1,
         maximum=1_000_000,
+        mutable=True,
+    )
+    movement_end_deviation: float = parameter(
+        0.15,
+        'Largest standard deviation of an axis over these samples that still counts as rest; the '
+        'tremor of a hand shows as 0.07',
+        unit='m/s²',
+        minimum=0.0,
         mutable=True,
     )
     max_gap: float = parameter(

@@ -159,7 +159,7 @@ def test_one_axis_follows_a_curve():
 def test_rest_makes_the_velocity_known():
     states = run(integrator(), slide())
     rests = [k for k, state in enumerate(states) if state.stationary]
-    assert rests == [*range(24, 101), *range(224, 300)]
+    assert rests == [*range(24, 103), *range(224, 300)]
     assert np.abs(velocities(states)[rests]).max() < 0.01
     assert np.sqrt([states[k].velocity_covariance[0] for k in rests]).max() < 0.01
 
