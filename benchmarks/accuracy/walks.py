@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 BAND = (0.7, 3.0)
 """Band of the reference [Hz]."""
 
+PROMINENCE = 1.0
+"""Smallest prominence of a peak of the reference [m/s²], the best of those tried."""
+
 REFERENCE_RATE = 50.0
 """Rate of the reference [Hz]; a recording that is slower keeps its own."""
 
@@ -72,7 +75,7 @@ def count_peaks(walk: Walk) -> int:
     norm = np.linalg.norm(walk.force_s[order], axis=1)
     even = np.interp(np.arange(0.0, time[-1], 1.0 / rate), time, norm)
     band = butter(2, BAND, 'bandpass', fs=rate, output='sos')
-    peaks, _ = find_peaks(sosfiltfilt(band, even - even.mean()))
+    peaks, _ = find_peaks(sosfiltfilt(band, even - even.mean()), prominence=PROMINENCE)
     return len(peaks)
 
 

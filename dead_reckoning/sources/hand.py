@@ -38,7 +38,7 @@ SWAY = (0.1, 0.5)
 """Band of the sway [Hz]."""
 
 WAVES = 5
-"""Sine waves for each band and axis."""
+"""Sine waves of each band; every axis has phases of its own."""
 
 FADE = 0.5
 """Time in which the hand takes hold at the start, and lets go [s]."""
@@ -64,19 +64,14 @@ class Held:
             [0.0, FADE, settings.release, settings.release + FADE], [[0.0], [1.0], [1.0], [0.0]]
         )
         random = np.random.default_rng([seed, 1])
-        size = np.sqrt(2.0 / WAVES)
-        rates, sizes = [], []
-        for (low, high), acceleration, way in (
-            (TREMOR, settings.tremor, 0.0),
-            (SWAY, 0.0, settings.sway),
-        ):
-            rate = 2.0 * np.pi * random.uniform(low, high, (WAVES, 3))
-            rates.append(rate)
-            sizes.append(size * (acceleration / rate**2 + way))
-        # Each of shape (waves, 1, axes), to be multiplied with moments along the second axis.
-        self._rate: Array = np.concatenate(rates)[:, None]
-        self._size: Array = np.concatenate(sizes)[:, None]
-        self._phase: Array = random.uniform(0.0, 2.0 * np.pi, self._rate.shape)
+        tremor, sway = (2.0 * np.pi * random.uniform(*band, WAVES) for band in (TREMOR, SWAY))
+        self._rate: Array = np.concatenate((tremor, sway))
+        sizes = (settings.tremor / tremor**2, np.full(WAVES, settings.sway))
+        size = np.sqrt(2.0 / WAVES) * np.concatenate(sizes)[:, None]
+        phase = random.uniform(0.0, 2.0 * np.pi, (2 * WAVES, 3))
+        # sin(ωt + φ) = sin ωt cos φ + cos ωt sin φ: what each axis takes of the waves.
+        self._of_sine: Array = size * np.cos(phase)
+        self._of_cosine: Array = size * np.sin(phase)
         self.duration = max(motion.duration, settings.release + FADE)
 
     @property
@@ -87,11 +82,12 @@ class Held:
     def at(self, time: Array) -> Kinematics:
         """Return the truth at ``time``, shape (n,) [s]."""
         truth = self._motion.at(time)
-        angle = self._rate * time[:, None] + self._phase
-        sine, cosine = self._size * np.sin(angle), self._size * np.cos(angle)
-        way = sine.sum(axis=0)
-        speed = (self._rate * cosine).sum(axis=0)
-        push = -(self._rate**2 * sine).sum(axis=0)
+        angle = time[:, None] * self._rate
+        sine, cosine = np.sin(angle), np.cos(angle)
+        way = sine @ self._of_sine + cosine @ self._of_cosine
+        sine, cosine = -self._rate * sine, self._rate * cosine
+        speed = cosine @ self._of_sine + sine @ self._of_cosine
+        push = (self._rate * sine) @ self._of_sine - (self._rate * cosine) @ self._of_cosine
         hold, grip, jerk = self._hold.at(time)
         return Kinematics(
             truth.position + hold * way,

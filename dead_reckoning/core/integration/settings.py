@@ -47,8 +47,8 @@ class IntegratorSettings(Settings, prefix='integrator'):
     )
     movement_end_samples: int = parameter(
         25,
-        'Samples of rest in a row that end a movement; rest is when the mean of as many samples is '
-        'inside the window',
+        'Samples of rest in a row that end a movement; rest is being inside the window, or the '
+        'mean of as many samples being inside it',
         minimum=1,
         maximum=1_000_000,
         mutable=True,
