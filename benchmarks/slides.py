@@ -115,6 +115,7 @@ CASES: Mapping[str, Mapping[str, Any]] = {
     'lets go after the slide': {'lets_go': True},
     'stays': {},
     'stays, calibrated level': CALIBRATED,
+    'stays, movement_end off': {'integrator.movement_end': 'off'},
     'stays, trembles a lot': {'driver.hand.tremor': 0.25},
     'no hand, ±6 g': {'driver.hand.enabled': False, 'driver.range_g': 6.0},
 }

@@ -206,6 +206,8 @@ def load(path: Path) -> Lift:
             rows = list(csv.DictReader(lines))
         raw = [row for row in rows if row['scaledAccelX']]
         own = [row for row in rows if row['estLinearAccelX']]
+        if not raw or not own:
+            raise ValueError('no samples, or no estimates, in it')
         return Lift(
             np.array([int(row['timestamp']) for row in raw]),
             GRAVITY * _vectors(raw, 'scaledAccel'),
