@@ -42,7 +42,10 @@ LETS_GO = 0.2
 
 @dataclass(frozen=True)
 class Result:
-    """How a slide ended: ``error`` and ``deviation``, shapes (3,) [m]; ``distance`` [m]."""
+    """How a slide of ``distance`` [m] ended: ``error`` and ``deviation``, shapes (3,) [m].
+
+    Both count from the first state, that is, from the levelling on.
+    """
 
     error: Array
     deviation: Array
@@ -99,7 +102,7 @@ def slide(seed: int, lets_go: bool = False, **values: Any) -> Result:
     return Result(
         np.subtract(last.position, moved),
         np.sqrt(last.position_covariance[::4]),
-        float(np.linalg.norm(moved)),
+        distance,
         last.stationary,
     )
 

@@ -19,6 +19,7 @@ IMPORTED_BY = {
     'python3-hypothesis': 'hypothesis',
     'python3-matplotlib': 'matplotlib',
     'python3-numpy': 'numpy',
+    'python3-scipy': 'scipy',
     'python3-pytest': 'pytest',
     'python3-rosbags-pip': 'rosbags',
     'python3-yaml': 'yaml',
