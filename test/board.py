@@ -21,6 +21,7 @@ class Board:
     def plug(self) -> None:
         """Appear, as a device file that has not been there before."""
         self._far_end, near_end = os.openpty()
+        os.set_blocking(self._far_end, False)
         tty.setraw(near_end)
         self.port.unlink(missing_ok=True)
         self.port.symlink_to(os.ttyname(near_end))
@@ -33,7 +34,12 @@ class Board:
             os.close(self._far_end)
             self._far_end = None
 
+    @property
+    def plugged(self) -> bool:
+        """Whether it is there."""
+        return self._far_end is not None
+
     def send(self, data: bytes) -> None:
-        """Send bytes."""
+        """Send bytes; raises `BlockingIOError` where nobody has read those before."""
         while data:
             data = data[os.write(self._far_end, data) :]
