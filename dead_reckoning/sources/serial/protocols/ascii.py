@@ -39,7 +39,7 @@ class AsciiSettings(Settings, prefix='driver.serial.ascii'):
         'What the columns of a line hold, a letter each: x, y, z, and - for one that is not used',
     )
     separator: str = parameter(
-        ',', 'What stands between two columns; a space or a tab means any run of both'
+        ',', 'What stands between two columns; a space means any run of spaces and tabs'
     )
     unit: str = parameter('counts', 'Unit of the numbers', choices=UNITS)
 
@@ -80,7 +80,7 @@ class AsciiDecoder:
     def __init__(self, settings: AsciiSettings) -> None:
         self.unit = settings.unit
         self._columns = settings.columns
-        self._separator = settings.separator if settings.separator.strip() else None
+        self._separator = None if settings.separator == ' ' else settings.separator
         self._axes = tuple(settings.columns.index(axis) for axis in 'xyz')
         self._fed = 0
         self._begin(in_step=False)

@@ -69,6 +69,8 @@ def test_columns_say_where_the_axes_stand(order, places):
         (b'512\t498\t830\n', {'separator': '\t'}),
         (b'512   498 \t 830\n', {'separator': ' '}),
         (b'X:512\tY:498\tZ:830\n', {'separator': '\t'}),
+        (b'X: 512\tY: 498\tZ: 830\n', {'separator': '\t'}),
+        (b'X:512 Y:498\tZ:830\n', {'separator': ' '}),
         (b'X = 512: Y = 498: Z = 830\n', {'separator': ':'}),
         (b'ax=512;ay=498;az=830\n', {'separator': ';'}),
         (b'1234.5,512,498,830,ok\n', {'columns': '-xyz-'}),
