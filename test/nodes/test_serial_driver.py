@@ -9,8 +9,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from builtin_interfaces.msg import Time
 from nav_msgs.msg import Odometry
 from ros_harness import EXECUTORS, NodeProcess, figures
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 
 from dead_reckoning.core.rest import GRAVITY
@@ -235,6 +237,29 @@ def test_the_pipeline_reads_the_board_itself(ros, board):
     assert abs(messages[-1].pose.pose.position.x) < 0.01
     state(ros, 'reading', OK, node='pipeline')
     assert ros.get('pipeline', 'driver.source', 'driver.samples_per_message') == ['serial', 1]
+
+
+def test_under_simulated_time_readings_wait_for_a_clock_and_take_its_time(ros, board):
+    board.plug()
+    ros.start(DRIVER, {**parameters(board), 'use_sim_time': True})
+    raw = ros.record('imu/data_raw', Imu)
+    Wire(ros, board)
+    said = ros.diagnostics().until(
+        DRIVER, lambda s: 'ZeroStampError' in figures(s) and s.level == WARN, 'no clock'
+    )
+    assert '/clock' in said.message
+    assert not raw.messages
+    clock = ros.publisher('/clock', Clock)
+    now = Time(sec=1000)
+
+    def tell():
+        clock.publish(Clock(clock=now))
+
+    ros.node.create_timer(0.05, tell)
+    raw.wait(20)  # the clock stands, and stamps rise all the same
+    assert all(b > a for a, b in pairwise(raw.stamps))
+    assert 999.9e9 < raw.stamps[0] < raw.latest_stamp < 1000.1e9
+    state(ros, 'reading', OK)
 
 
 @pytest.mark.parametrize(

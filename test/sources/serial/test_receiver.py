@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dead_reckoning.configuration import Configuration
-from dead_reckoning.core.errors import ColumnError, CutError, OutOfRangeError
+from dead_reckoning.core.accelerometer import UNITS
+from dead_reckoning.core.errors import ColumnError, CutError, OutOfRangeError, ReadingError
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.sources.driver import serial_receiver
@@ -128,3 +129,21 @@ def test_a_force_beyond_the_range_counts_as_clipped():
     counts = made.take(b'0,0,9\n0,0,1e8\n0,0,1\n', START_NS)[0].counts
     clipped = DriverSettings().model().clipped(counts)
     assert clipped.tolist() == [[False, False, True]] * 2 + [[False] * 3]
+
+
+@pytest.mark.filterwarnings('error')
+@pytest.mark.parametrize('unit', UNITS)
+@given(
+    st.lists(
+        st.sampled_from([b'1,2,3\n', b'-9e8,9e8,.1\n', b'5,', b'\n', b'\xff'])
+        | st.binary(max_size=40)
+    )
+)
+def test_whatever_comes_becomes_finite_counts_or_errors(unit, parts):
+    made = receiver(serial__ascii__unit=unit)
+    for number, data in enumerate(parts):
+        conversions, errors = made.take(data, START_NS + number)
+        assert conversions.counts.shape == (len(conversions), 3)
+        assert conversions.stamps_ns.shape == (len(conversions),)
+        assert np.isfinite(conversions.counts).all()
+        assert all(isinstance(error, ReadingError) for error in errors)
