@@ -18,7 +18,7 @@ from dead_reckoning.sources.driver import serial_receiver
 from dead_reckoning.sources.serial.port import Opened, Received, SerialPort
 from dead_reckoning.sources.serial.settings import SerialSettings
 
-PERIOD = 0.005
+PERIOD = 0.01
 """Time [s] between two looks at what the port brought; stamps are those of the port's thread."""
 
 SILENCE = 5.0
