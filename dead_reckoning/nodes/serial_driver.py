@@ -39,7 +39,6 @@ class SerialDriver(Driver):
         self._state = 'closed'
         self._openings = 0
         self._bytes = 0
-        self._readings = 0
         self._quiet_since = time.monotonic()
         self._bytes_then = 0
         clock = node.get_clock()

@@ -9,7 +9,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from builtin_interfaces.msg import Time
 from nav_msgs.msg import Odometry
 from ros_harness import EXECUTORS, NodeProcess, figures
 from rosgraph_msgs.msg import Clock
@@ -250,10 +249,11 @@ def test_under_simulated_time_readings_wait_for_a_clock_and_take_its_time(ros, b
     assert '/clock' in said.message
     assert not raw.messages
     clock = ros.publisher('/clock', Clock)
-    now = Time(sec=1000)
+    now = Clock()
+    now.clock.sec = 1000
 
     def tell():
-        clock.publish(Clock(clock=now))
+        clock.publish(now)
 
     ros.node.create_timer(0.05, tell)
     raw.wait(20)  # the clock stands, and stamps rise all the same
