@@ -3,6 +3,8 @@
 import fcntl
 import os
 import socket
+import subprocess
+import sys
 import threading
 import time
 from contextlib import contextmanager
@@ -211,3 +213,20 @@ def test_waiting_costs_next_to_nothing(board, opened, plugged):
     used, begun = time.process_time(), time.monotonic()
     time.sleep(2.0)
     assert time.process_time() - used < 0.1 * (time.monotonic() - begun)
+
+
+def test_without_pyserial_all_but_the_port_works_and_the_port_says_what_to_install():
+    program = """
+import sys
+sys.modules['serial'] = None  # what Python takes for a package that is not there
+from dead_reckoning.configuration import Configuration
+from dead_reckoning.core.errors import DependencyError
+from dead_reckoning.sources.driver import serial_receiver
+serial_receiver(Configuration())
+try:
+    import dead_reckoning.sources.serial.port
+except DependencyError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True)
+    assert 'python3-serial' in done.stdout, done.stderr
