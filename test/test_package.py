@@ -22,6 +22,7 @@ IMPORTED_BY = {
     'python3-pytest': 'pytest',
     'python3-rosbags-pip': 'rosbags',
     'python3-yaml': 'yaml',
+    'tf2_ros_py': 'tf2_ros',
 }
 """Rosdep keys that are not the name one imports."""
 IMPORTED_FROM_PIP = {'PyYAML': 'yaml'}
@@ -39,6 +40,7 @@ FROM_ROS = {
     'sensor_msgs',
     'std_msgs',
     'std_srvs',
+    'tf2_msgs',
     'tf2_ros',
 }
 

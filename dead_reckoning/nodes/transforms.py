@@ -1,14 +1,19 @@
-"""Broadcast world → body, where tf2_ros is installed."""
+"""Broadcast world → body, and hear how sensors sit on the body, where tf2_ros is installed."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 from rclpy.node import Node
+from rclpy.qos import QoSDurabilityPolicy, QoSProfile
+from rclpy.time import Time
 
 from dead_reckoning.core.common import FrameSettings
-from dead_reckoning.core.errors import DependencyError
+from dead_reckoning.core.errors import DependencyError, MissingMountingError
+from dead_reckoning.core.mounting import Mounting, Mountings, mountings_of
+from dead_reckoning.core.rotation import normalized
 from dead_reckoning.core.samples import NANOSECONDS, NavigationState
 
 
@@ -37,3 +42,71 @@ def transform_sender(node: Node, frames: FrameSettings) -> Callable[[NavigationS
         broadcaster.sendTransform(transform)
 
     return send
+
+
+def mountings(node: Node, frames: FrameSettings) -> Mountings:
+    """Return how sensors sit on the body, as `frames.mounting` says.
+
+    Raises `DependencyError` where that is TF, and tf2_ros is not installed.
+    """
+    return StaticTransforms(node, frames) if frames.mounting == 'tf' else mountings_of(frames)
+
+
+class StaticTransforms:
+    """Take mountings from /tf_static, each once: a sensor sits where it sits."""
+
+    def __init__(self, node: Node, frames: FrameSettings) -> None:
+        """Raise `DependencyError` where tf2_ros is not installed."""
+        try:
+            from tf2_msgs.msg import TFMessage
+            from tf2_ros import Buffer, TransformException
+        except ImportError as error:
+            raise DependencyError(
+                'frames.mounting is tf, and tf2_ros is not installed: install '
+                'ros-jazzy-tf2-ros-py, or set frames.mounting to parameters'
+            ) from error
+        self._node = node
+        self._body = frames.body
+        self._buffer = Buffer()
+        self._unknown = TransformException
+        self._found: dict[str, Mounting] = {}
+        # tf2_ros' own listener would take the whole of /tf as well.
+        node.create_subscription(
+            TFMessage,
+            '/tf_static',
+            self._take,
+            QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL),
+        )
+
+    def __call__(self, frame_id: str) -> Mounting:
+        """Return the mounting of a sensor; raises `MissingMountingError` until it was heard of."""
+        found = self._found.get(frame_id)
+        if found is None:
+            found = self._found[frame_id] = self._look_up(frame_id)
+            x, y, z = found.translation
+            self._node.get_logger().info(
+                f'{frame_id} sits at ({x:g}, {y:g}, {z:g}) m in {self._body}'
+            )
+        return found
+
+    def _take(self, message: Any) -> None:
+        for transform in message.transforms:
+            self._buffer.set_transform_static(transform, 'dead_reckoning')
+
+    def _look_up(self, frame_id: str) -> Mounting:
+        try:
+            return mounting_from(self._buffer.lookup_transform(self._body, frame_id, Time()))
+        except self._unknown as error:
+            raise MissingMountingError(
+                f'waiting on /tf_static for how {frame_id!r} sits on {self._body!r}: start '
+                'robot_state_publisher or static_transform_publisher, or set frames.mounting to '
+                'parameters'
+            ) from error
+
+
+def mounting_from(transform: TransformStamped) -> Mounting:
+    """Read a transform from the sensor to the body, as tf2 looks it up."""
+    moved, turned = transform.transform.translation, transform.transform.rotation
+    return Mounting(
+        normalized((turned.x, turned.y, turned.z, turned.w)), (moved.x, moved.y, moved.z)
+    )
