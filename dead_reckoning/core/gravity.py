@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from dead_reckoning.core.attitude import attitude_source
-from dead_reckoning.core.checks import require_finite_covariances
+from dead_reckoning.core.checks import require_finite
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.errors import (
@@ -131,7 +131,7 @@ class GravityRemoval:
         force_s = imu.specific_force
         if not isfinite(force_s[0] + force_s[1] + force_s[2]):
             raise NotFiniteError(f'the specific force is {force_s}: check the driver')
-        require_finite_covariances(imu)
+        require_finite(imu)
         if imu.specific_force_covariance[0] < 0.0:
             raise MissingAccelerationError(
                 'linear_acceleration_covariance[0] is -1, so this Imu measures no acceleration: '

@@ -5,7 +5,7 @@ from __future__ import annotations
 from concurrent.futures import Future
 from math import isfinite
 
-from dead_reckoning.core.checks import require_finite_covariances
+from dead_reckoning.core.checks import require_finite
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import (
     DeadReckoningError,
@@ -119,7 +119,7 @@ class Integrator:
                 'the Imu with the stamp of this acceleration carries no orientation: take '
                 'imu/data from gravity_removal, or from a driver that knows its attitude'
             )
-        require_finite_covariances(imu)
+        require_finite(imu)
         orientation = normalized(imu.orientation)
         restarts = self._timeline.restarts
         step_ns = self._timeline.advance(imu.stamp_ns)

@@ -98,6 +98,25 @@ PRESETS = (
             'pedometer.length_model': 'an900_equation2',
         },
     ),
+    Preset(
+        'robot_localization',
+        "An IMU with a gyro on a robot, as a source of robot_localization: run `pipeline` with it; "
+        'the filter fuses the twist of odom and is the one that broadcasts odom → base_link '
+        '(docs/robot_localization.md). As a comment: how the IMU sits on base_link, from TF.',
+        {
+            'gravity.attitude': 'estimate',
+            'integrator.method': 'kalman',
+            'pipeline.source': 'topic',
+            'pipeline.estimators': ['integrator'],
+            'frames.world': 'odom',
+            'frames.body': 'base_link',
+            'frames.mounting': 'parameters',
+            'frames.mounting_rotation': [0.0, 0.0, 0.0],
+            'frames.mounting_translation': [0.0, 0.0, 0.0],
+            'frames.publish_tf': False,
+        },
+        other={'frames.mounting': 'tf'},
+    ),
 )
 
 
