@@ -100,8 +100,8 @@ PRESETS = (
     ),
     Preset(
         'robot_localization',
-        "An IMU with a gyro on a robot, as a source of robot_localization: run `pipeline` with it; "
-        'the filter fuses the twist of odom and is the one that broadcasts odom → base_link '
+        'A robot with an IMU and a gyro, for robot_localization: run `pipeline` with it; its '
+        'filter fuses the twist of odom and is the one that broadcasts odom → base_link '
         '(docs/robot_localization.md). As a comment: how the IMU sits on base_link, from TF.',
         {
             'gravity.attitude': 'estimate',

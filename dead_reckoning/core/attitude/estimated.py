@@ -127,16 +127,17 @@ class EstimatedAttitude:
         self._spread(dt, imu.angular_velocity_covariance)
 
     def rate(self, imu: ImuSample) -> tuple[Vector | None, Matrix]:
-        """Take the bias off; what is not known of it adds to the noise."""
+        """Take the bias off; what is not known of it and of the sensitivity adds to the noise."""
         assert imu.angular_velocity is not None
-        x, y, z = imu.angular_velocity
-        bx, by, bz = self.bias.value
+        x, y, z = (r - b for r, b in zip(imu.angular_velocity, self.bias.value, strict=True))
+        scale = self._scale_variance
         noise = imu.angular_velocity_covariance
         if noise == UNKNOWN:
             noise = isotropic(sqrt(self._rate_variance))
         xx, xy, xz, _, yy, yz, _, _, zz = noise
-        v = self.bias.variance
-        return (x - bx, y - by, z - bz), (xx + v, xy, xz, xy, yy + v, yz, xz, yz, zz + v)
+        bias = self.bias.variance
+        xx, yy, zz = xx + bias + scale(x), yy + bias + scale(y), zz + bias + scale(z)
+        return (x, y, z), (xx, xy, xz, xy, yy, yz, xz, yz, zz)
 
     def follow_compass(self, stamp_ns: int) -> None:
         """Turn the yaw towards that of the compass, all the way with its first message."""
