@@ -49,59 +49,78 @@ def mountings(node: Node, frames: FrameSettings) -> Mountings:
 
     Raises `DependencyError` where that is TF, and tf2_ros is not installed.
     """
-    return StaticTransforms(node, frames) if frames.mounting == 'tf' else mountings_of(frames)
+    if frames.mounting == 'tf':
+        say = node.get_logger().info
+        return MountingsFromTransforms(frames.body, static_transforms(node, frames.body), say)
+    return mountings_of(frames)
 
 
-class StaticTransforms:
-    """Take mountings from /tf_static, each once: a sensor sits where it sits."""
+class MountingsFromTransforms:
+    """Ask for the mounting of each sensor until it is there, and then no more: it sits.
 
-    def __init__(self, node: Node, frames: FrameSettings) -> None:
-        """Raise `DependencyError` where tf2_ros is not installed."""
-        try:
-            from tf2_msgs.msg import TFMessage
-            from tf2_ros import Buffer, TransformException
-        except ImportError as error:
-            raise DependencyError(
-                'frames.mounting is tf, and tf2_ros is not installed: install '
-                'ros-jazzy-tf2-ros-py, or set frames.mounting to parameters'
-            ) from error
-        self._node = node
-        self._body = frames.body
-        self._buffer = Buffer()
-        self._unknown = TransformException
+    ``look_up`` returns the transform from a frame to the body, or None while there is none;
+    ``say`` takes a sentence for the user.
+    """
+
+    def __init__(
+        self,
+        body: str,
+        look_up: Callable[[str], TransformStamped | None],
+        say: Callable[[str], object],
+    ) -> None:
+        self._body = body
+        self._look_up = look_up
+        self._say = say
         self._found: dict[str, Mounting] = {}
-        # tf2_ros' own listener would take the whole of /tf as well.
-        node.create_subscription(
-            TFMessage,
-            '/tf_static',
-            self._take,
-            QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL),
-        )
 
     def __call__(self, frame_id: str) -> Mounting:
-        """Return the mounting of a sensor; raises `MissingMountingError` until it was heard of."""
+        """Return the mounting of a sensor; raises `MissingMountingError` while there is none."""
         found = self._found.get(frame_id)
-        if found is None:
-            found = self._found[frame_id] = self._look_up(frame_id)
-            x, y, z = found.translation
-            self._node.get_logger().info(
-                f'{frame_id} sits at ({x:g}, {y:g}, {z:g}) m in {self._body}'
-            )
-        return found
-
-    def _take(self, message: Any) -> None:
-        for transform in message.transforms:
-            self._buffer.set_transform_static(transform, 'dead_reckoning')
-
-    def _look_up(self, frame_id: str) -> Mounting:
-        try:
-            return mounting_from(self._buffer.lookup_transform(self._body, frame_id, Time()))
-        except self._unknown as error:
+        if found is not None:
+            return found
+        transform = self._look_up(frame_id)
+        if transform is None:
             raise MissingMountingError(
                 f'waiting on /tf_static for how {frame_id!r} sits on {self._body!r}: start '
                 'robot_state_publisher or static_transform_publisher, or set frames.mounting to '
                 'parameters'
-            ) from error
+            )
+        found = self._found[frame_id] = mounting_from(transform)
+        x, y, z = found.translation
+        self._say(f'{frame_id} sits on {self._body} at ({x:g}, {y:g}, {z:g}) m, as TF says')
+        return found
+
+
+def static_transforms(node: Node, body: str) -> Callable[[str], TransformStamped | None]:
+    """Listen to /tf_static; return a function that looks up the transform from a frame to a body.
+
+    Raises `DependencyError` where tf2_ros is not installed.
+    """
+    try:
+        from tf2_msgs.msg import TFMessage
+        from tf2_ros import Buffer, TransformException
+    except ImportError as error:
+        raise DependencyError(
+            'frames.mounting is tf, and tf2_ros is not installed: install '
+            'ros-jazzy-tf2-ros-py, or set frames.mounting to parameters'
+        ) from error
+    buffer = Buffer()
+
+    def take(message: Any) -> None:
+        for transform in message.transforms:
+            buffer.set_transform_static(transform, 'dead_reckoning')
+
+    # tf2_ros' own listener would take the whole of /tf as well.
+    latched = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
+    node.create_subscription(TFMessage, '/tf_static', take, latched)
+
+    def look_up(frame_id: str) -> TransformStamped | None:
+        try:
+            return buffer.lookup_transform(body, frame_id, Time())
+        except TransformException:
+            return None
+
+    return look_up
 
 
 def mounting_from(transform: TransformStamped) -> Mounting:

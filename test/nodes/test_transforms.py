@@ -10,7 +10,8 @@ from nav_msgs.msg import Odometry
 from ros_harness import LATCHED, NodeProcess
 from sensor_msgs.msg import Imu
 
-from dead_reckoning.nodes.transforms import mounting_from
+from dead_reckoning.core.errors import MissingMountingError
+from dead_reckoning.nodes.transforms import MountingsFromTransforms, mounting_from
 
 HAS_TF = find_spec('tf2_ros') is not None
 
@@ -89,6 +90,29 @@ def test_a_transform_is_read_as_tf2_looks_it_up():
     mounting = mounting_from(transform_to_body())
     assert mounting.rotation == UPSIDE_DOWN
     assert mounting.translation == LEVER_ARM
+
+
+def test_a_transform_is_asked_for_until_it_is_there_and_then_no_more():
+    known, asked, said = {}, [], []
+
+    def look_up(frame_id):
+        asked.append(frame_id)
+        return known.get(frame_id)
+
+    mountings = MountingsFromTransforms('base_link', look_up, said.append)
+    for _ in range(2):
+        with pytest.raises(
+            MissingMountingError, match="how 'imu_link' sits on 'base_link': start"
+        ):
+            mountings('imu_link')
+    known['imu_link'] = transform_to_body()
+    found = mountings('imu_link')
+    assert mountings('imu_link') is found
+    assert found.translation == LEVER_ARM
+    with pytest.raises(MissingMountingError, match='other_link'):
+        mountings('other_link')
+    assert asked == ['imu_link'] * 3 + ['other_link']
+    assert said == ['imu_link sits on base_link at (0.1, -0.2, 0.3) m, as TF says']
 
 
 UPSIDE_DOWN = (1.0, 0.0, 0.0, 0.0)
