@@ -55,6 +55,7 @@ class ChainNode(Node):
         self._chain = Chain([])
         self._writers: dict[str, Callable[[Any], None]] = {}
         self._figures: list[Callable[[], Mapping[str, object]]] = []
+        self._closings: list[Callable[[], None]] = []
         self.diagnostics = Diagnostics(self, self._all_figures)
         deferred = DeferredServices(self, self.common.service_timeout, self._count_usable)
         self._deferred = self._services_offered = deferred
@@ -115,6 +116,16 @@ class ChainNode(Node):
     def show(self, figures: Callable[[], Mapping[str, object]]) -> None:
         """Add figures to what /diagnostics shows."""
         self._figures.append(figures)
+
+    def at_end(self, close: Callable[[], None]) -> None:
+        """Call ``close`` when the node ends."""
+        self._closings.append(close)
+
+    def destroy_node(self) -> None:
+        """Close what was opened, then destroy the node."""
+        for close in self._closings:
+            close()
+        super().destroy_node()
 
     def finish(self) -> None:
         """Ask to end: what this node was started for is done."""
