@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from messages import GRAVITY, Feed, imu_message
 from nav_msgs.msg import Odometry
+from ros_harness import lossless
 from sensor_msgs.msg import Imu
 
 PRESET = Path(__file__).parents[2] / 'config' / 'robot_localization.yaml'
@@ -17,7 +18,7 @@ FLOOR = 0.999e-9
 @pytest.mark.parametrize('said', [True, False], ids=['covariances given', 'all zero'])
 def test_every_twist_has_a_covariance_and_nothing_is_broadcast(ros, said):
     """Rest and a push, of an IMU that says its noise, or leaves all covariances at zero."""
-    ros.start('pipeline', None, '--params-file', str(PRESET))
+    ros.start('pipeline', lossless('/imu/data_raw', '/odom'), '--params-file', str(PRESET))
     raw = ros.publisher('imu/data_raw', Imu)
     odom = ros.record('odom', Odometry).connected()
 
