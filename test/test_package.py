@@ -24,6 +24,7 @@ IMPORTED_BY = {
     'python3-rosbags-pip': 'rosbags',
     'python3-serial': 'serial',
     'python3-yaml': 'yaml',
+    'tf2_ros_py': 'tf2_ros',
 }
 """Rosdep keys that are not the name one imports."""
 IMPORTED_FROM_PIP = {'PyYAML': 'yaml', 'pyserial': 'serial'}
@@ -41,6 +42,7 @@ FROM_ROS = {
     'sensor_msgs',
     'std_msgs',
     'std_srvs',
+    'tf2_msgs',
     'tf2_ros',
 }
 

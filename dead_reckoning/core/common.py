@@ -32,6 +32,21 @@ class CommonSettings(Settings, prefix='common'):
         unit='m/s²',
         minimum=0.0,
     )
+    rate_deviation: float = parameter(
+        0.005,
+        'One sigma of the noise of an angular velocity that comes without a covariance',
+        unit='rad/s',
+        minimum=0.0,
+        maximum=10.0,
+    )
+    turn_deviation: float = parameter(
+        0.2,
+        'One sigma of the rate at which the device may turn while nothing measures it: without a '
+        'gyro, with a compass that fell silent, or over a gap',
+        unit='rad/s',
+        minimum=0.0,
+        maximum=100.0,
+    )
     service_timeout: float = parameter(
         20.0,
         'How long a service that needs samples waits for them before it answers that they lack',
@@ -43,11 +58,27 @@ class CommonSettings(Settings, prefix='common'):
 
 @dataclass(frozen=True, kw_only=True)
 class FrameSettings(Settings, prefix='frames'):
-    """Names of the frames (REP-105)."""
+    """Names of the frames (REP-105), and how the sensor sits on the body."""
 
     world: str = parameter('odom', 'World frame: ENU, z up, continuous')
     body: str = parameter('base_link', 'Body frame: x forward, y left, z up')
     sensor: str = parameter('imu_link', "Frame of the driver's own sensor")
+    mounting: str = parameter(
+        'parameters',
+        'Where it is known from how the sensor sits on the body: parameters (the next two) or tf '
+        '(the static transform from the frame_id of each Imu to frames.body; needs tf2_ros)',
+        choices=('parameters', 'tf'),
+    )
+    mounting_rotation: tuple[float, float, float] = parameter(
+        (0.0, 0.0, 0.0),
+        'Roll, pitch and yaw of the sensor in the body, in this order about the fixed axes of '
+        'the body, as static_transform_publisher takes them',
+        unit='rad', minimum=-6.3, maximum=6.3, length=3,
+    )  # fmt: skip
+    mounting_translation: tuple[float, float, float] = parameter(
+        (0.0, 0.0, 0.0), 'Where the sensor sits in the body, its lever arm', unit='m',
+        minimum=-1000.0, maximum=1000.0, length=3,
+    )  # fmt: skip
     publish_tf: bool = parameter(
         False, 'Broadcast world → body; a stack has one broadcaster of it, so this is off'
     )

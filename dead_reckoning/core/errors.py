@@ -56,6 +56,10 @@ class MissingAccelerationError(SampleError):
     """A sample says, by covariance[0] = -1, that its device measures no acceleration."""
 
 
+class MissingMountingError(SampleError):
+    """A sample came before TF said how its sensor sits on the body."""
+
+
 class NotLevelledError(SampleError):
     """A sample came before the attitude at rest was known."""
 

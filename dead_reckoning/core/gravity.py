@@ -79,7 +79,7 @@ class GravityRemoval:
         self._timeline = Timeline()
         self._levelling = Work()
         self._compass = CompassYaw(
-            settings.compass_timeout, settings.turn_deviation, common.attitude_deviation
+            settings.compass_timeout, common.turn_deviation, common.attitude_deviation
         )
         self._attitude = attitude_source(settings, common, self._compass)
         self._rotation: tuple[Quaternion, Matrix] = (IDENTITY_QUATERNION, IDENTITY)
@@ -175,8 +175,7 @@ class GravityRemoval:
                 imu.frame_id,
                 force_s,
                 noise,
-                imu.angular_velocity,
-                imu.angular_velocity_covariance,
+                *self._attitude.rate(imu),
                 attitude,
                 tilt,
             )

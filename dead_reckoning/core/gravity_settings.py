@@ -45,14 +45,6 @@ class GravitySettings(Settings, prefix='gravity'):
         minimum=0.01,
         maximum=3600.0,
     )
-    turn_deviation: float = parameter(
-        0.2,
-        'One sigma of the rate at which the device may turn while nothing measures it: with a '
-        'compass that fell silent, or over a gap',
-        unit='rad/s',
-        minimum=0.0,
-        maximum=100.0,
-    )
     tilt_time: float = parameter(
         4.0,
         'Time constant with which attitude: estimate takes the tilt from gravity: longer holds it '
@@ -86,13 +78,6 @@ class GravitySettings(Settings, prefix='gravity'):
     rate_offset: float = parameter(
         0.1,
         'Largest bias that a gyro may show at the first rest',
-        unit='rad/s',
-        minimum=0.0,
-        maximum=10.0,
-    )
-    rate_deviation: float = parameter(
-        0.005,
-        'One sigma of the noise of an angular velocity that comes without a covariance',
         unit='rad/s',
         minimum=0.0,
         maximum=10.0,

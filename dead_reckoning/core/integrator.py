@@ -17,12 +17,14 @@ from dead_reckoning.core.errors import (
 from dead_reckoning.core.heading_wander import HeadingWander
 from dead_reckoning.core.integration import Reading, integration
 from dead_reckoning.core.integration.settings import AXES, IntegratorSettings
+from dead_reckoning.core.mounting import carried
 from dead_reckoning.core.movement_end import MovementEnd
 from dead_reckoning.core.rest import RestWindow
 from dead_reckoning.core.rotation import (
     isotropic,
     matrix_from_quaternion,
     normalized,
+    rotate,
     rotate_back,
 )
 from dead_reckoning.core.samples import (
@@ -62,6 +64,8 @@ class Integrator:
         """Gaps longer than `max_gap` so far."""
         self._attitude_fallback = isotropic(common.attitude_deviation)
         self._noise_fallback = isotropic(common.noise_deviation)
+        self._rate_fallback = isotropic(common.rate_deviation)
+        self._turn_fallback = isotropic(common.turn_deviation)
         self._timeline = Timeline()
         self._integration = integration(settings)
         self._axes = [AXES.index(axis) for axis in settings.axes]
@@ -70,6 +74,7 @@ class Integrator:
             self._wander = HeadingWander(settings.heading_deviation, self._axes[0])
         self._movement_end = MovementEnd()
         self._stationary = False
+        self._start_w: Vector = ZERO
         self._calibration = Work()
         self._window: RestWindow | None = None
 
@@ -97,8 +102,13 @@ class Integrator:
         )
         return self._calibration.begin()
 
-    def update(self, acceleration: LinearAcceleration, imu: ImuSample) -> NavigationState:
+    def update(
+        self, acceleration: LinearAcceleration, imu: ImuSample, lever_arm: Vector = ZERO
+    ) -> NavigationState:
         """Integrate one sample; ``imu`` gives the attitude at the same stamp.
+
+        ``lever_arm``, shape (3,) [m], axes of ``imu``, leads from the body's origin to the sensor
+        that is integrated; what comes out is the state of the body (`carried`).
 
         Raises `SampleError` (not finite, no attitude, stale stamp), and then nothing changed.
         """
@@ -116,7 +126,8 @@ class Integrator:
         step_ns = self._timeline.advance(imu.stamp_ns)
         if self._timeline.restarts != restarts:
             self._give_up_calibration(NotAtRestError('the stamps went back meanwhile: ask again'))
-        reading = self._read(accel_w, matrix_from_quaternion(orientation), imu)
+        rotation = matrix_from_quaternion(orientation)
+        reading = self._read(accel_w, rotation, imu)
         dt = (step_ns or 0) / NANOSECONDS
         gap = dt > self.settings.max_gap
         if step_ns is None or gap:
@@ -124,6 +135,7 @@ class Integrator:
         self._movement_end.add(reading.accel_s, self.settings)
         if step_ns is None:
             self._integration.start(reading)
+            self._start_w = rotate(rotation, lever_arm)
         elif gap:
             self.gaps += 1
             self._integration.gap(dt, reading)
@@ -142,7 +154,11 @@ class Integrator:
                 position_covariance, velocity_covariance, velocity
             )
         scale_variance = self.settings.scale_deviation**2
-        return NavigationState(
+        rate_covariance = imu.angular_velocity_covariance
+        if rate_covariance == UNKNOWN:
+            measured = imu.angular_velocity is not None
+            rate_covariance = self._rate_fallback if measured else self._turn_fallback
+        state = NavigationState(
             imu.stamp_ns,
             position,
             velocity,
@@ -151,9 +167,12 @@ class Integrator:
             _scaled(velocity_covariance, velocity, scale_variance),
             reading.attitude_covariance,
             imu.angular_velocity,
-            imu.angular_velocity_covariance,
+            rate_covariance,
             stationary,
         )
+        if lever_arm == ZERO:
+            return state
+        return carried(state, rotation, lever_arm, self._start_w, rate_covariance)
 
     def _read(self, accel_w: Vector, rot_ws: Matrix, imu: ImuSample) -> Reading:
         measured_s = rotate_back(rot_ws, accel_w)

@@ -12,6 +12,7 @@ from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.integrator import Integrator
+from dead_reckoning.core.mounting import Mountings, mountings_of
 from dead_reckoning.core.parameters import Parts, Settings, parameter
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
 from dead_reckoning.core.stages import (
@@ -71,8 +72,15 @@ class Pipeline:
     does not come from elsewhere.
     """
 
-    def __init__(self, parts: Parts, more: Iterable[Stage] = ()) -> None:
-        """``more`` are stages that stand at the end and take what they name."""
+    def __init__(
+        self, parts: Parts, more: Iterable[Stage] = (), mountings: Mountings | None = None
+    ) -> None:
+        """``more`` are stages that stand at the end and take what they name.
+
+        ``mountings`` are those of the parameters, unless a node gives its own, from TF.  Raises
+        `SettingsError` where the parameters ask for TF, and none are given.
+        """
+        mountings = mountings or mountings_of(parts[FrameSettings])
         estimators = parts[PipelineSettings].estimators
         common = parts[CommonSettings]
         self.gravity: GravityRemoval | None = None
@@ -88,15 +96,15 @@ class Pipeline:
         inputs: list[str] = []
         if 'integrator' in estimators or (counts and pedometer.input == IMU != taken):
             self.gravity = GravityRemoval(gravity, common, parts[FrameSettings])
-            stages.append(gravity_stage(self.gravity))
+            stages.append(gravity_stage(self.gravity, mountings))
             inputs += gravity_inputs(gravity.attitude)
         if 'integrator' in estimators:
             self.integrator = Integrator(parts[IntegratorSettings], common)
-            stages.append(integrator_stage(self.integrator))
+            stages.append(integrator_stage(self.integrator, mountings))
         if counts:
             self.pedometer = Pedometer(pedometer, parts[pedometer.method_part])
             self.step_odometry = StepOdometry(pedometer, common)
-            stages.append(pedometer_stage(self.pedometer, self.step_odometry))
+            stages.append(pedometer_stage(self.pedometer, self.step_odometry, mountings))
             made = {IMU} if self.gravity is not None and taken != IMU else set()
             inputs += [name for name in pedometer_inputs(pedometer) if name not in made]
         self.inputs = tuple(dict.fromkeys(inputs))

@@ -66,6 +66,12 @@ def composed(q_wa: Quaternion, q_ab: Quaternion) -> Quaternion:
     )
 
 
+def inverse(quaternion: Quaternion) -> Quaternion:
+    """Turn back what a unit quaternion (x, y, z, w) turns."""
+    x, y, z, w = quaternion
+    return (-x, -y, -z, w)
+
+
 def quaternion_from_turn(turn: Vector) -> Quaternion:
     """Turn a rotation vector, shape (3,) [rad], into its quaternion (x, y, z, w)."""
     x, y, z = turn

@@ -6,6 +6,7 @@ from dead_reckoning.core.chain import FAULT, NOTICE, Output, Stage
 from dead_reckoning.core.errors import GapError, RestartError, SampleError
 from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.integrator import Integrator
+from dead_reckoning.core.mounting import Mountings, unmounted
 from dead_reckoning.core.pairing import StampPairs
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, PedometerState
 from dead_reckoning.core.samples import ImuSample, LinearAcceleration
@@ -41,22 +42,25 @@ def gravity_inputs(attitude: str) -> tuple[str, ...]:
     return (taken,) if taken == IMU else (taken, COMPASS)
 
 
-def gravity_stage(removal: GravityRemoval) -> Stage:
+def gravity_stage(removal: GravityRemoval, mountings: Mountings = unmounted) -> Stage:
     """Take an Imu; give the linear acceleration, and the Imu with attitude if it came without.
 
-    Where the attitude does not come with the Imu, a compass is taken too, for the yaw.
+    Where the attitude does not come with the Imu, a compass is taken too, for the yaw of the body.
+    Inside, the axes are those of the body; topics are in the frame of the sensor.
     """
 
     def take(imu: ImuSample) -> list[Output]:
+        mounting = mountings(imu.frame_id)
+        turned = mounting.to_body(imu)
         outputs: list[Output] = []
         restarts, levelled = removal.restarts, removal.levelled
         try:
-            made = removal.update(imu)
+            made = removal.update(turned)
         except SampleError as error:
             outputs.append((FAULT, error))
         else:
-            if made.imu is not imu:
-                outputs.append((IMU, made.imu))
+            if made.imu is not turned:
+                outputs.append((IMU, mounting.to_sensor(made.imu)))
             outputs.append((ACCELERATION, made.acceleration))
         if removal.restarts != restarts:
             outputs.append((FAULT, RestartError('the stamps went back: looking for rest anew')))
@@ -75,8 +79,8 @@ def gravity_stage(removal: GravityRemoval) -> Stage:
     return {taken: take} if taken == IMU else {taken: take, COMPASS: turn}
 
 
-def integrator_stage(integrator: Integrator) -> Stage:
-    """Take acceleration and attitude of equal stamps; give the state, and rest on change."""
+def integrator_stage(integrator: Integrator, mountings: Mountings = unmounted) -> Stage:
+    """Take acceleration and attitude of equal stamps; give the body's state, rest on change."""
     pairs: StampPairs[LinearAcceleration, ImuSample] = StampPairs()
     said: bool | None = None
 
@@ -88,9 +92,11 @@ def integrator_stage(integrator: Integrator) -> Stage:
             outputs.append((FAULT, lost))
         if pair is None:
             return outputs
+        acceleration, imu = pair
         restarts, gaps = integrator.restarts, integrator.gaps
         try:
-            state = integrator.update(*pair)
+            mounting = mountings(imu.frame_id)
+            state = integrator.update(acceleration, mounting.to_body(imu), mounting.translation)
         except SampleError as error:
             return [*outputs, (FAULT, error)]
         if integrator.restarts != restarts:
@@ -116,7 +122,9 @@ def pedometer_inputs(settings: PedometerSettings) -> tuple[str, ...]:
     return (settings.input,)
 
 
-def pedometer_stage(pedometer: Pedometer, odometry: StepOdometry) -> Stage:
+def pedometer_stage(
+    pedometer: Pedometer, odometry: StepOdometry, mountings: Mountings = unmounted
+) -> Stage:
     """Take an Imu and the compass; give the totals on change, and the way at each step."""
     said: dict[str, float] = {}
 
@@ -132,6 +140,7 @@ def pedometer_stage(pedometer: Pedometer, odometry: StepOdometry) -> Stage:
         return new
 
     def count(imu: ImuSample) -> list[Output]:
+        imu = mountings(imu.frame_id).to_body(imu)
         outputs: list[Output] = []
         restarts, gaps = pedometer.restarts, pedometer.gaps
         states = pedometer.update(imu)

@@ -7,6 +7,7 @@ from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.stages import ACCELERATION, IMU, gravity_inputs, gravity_stage
 from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.transforms import mountings
 
 
 class GravityRemovalNode(ChainNode):
@@ -20,7 +21,7 @@ class GravityRemovalNode(ChainNode):
         settings = self.configuration[GravitySettings]
         removal = GravityRemoval(settings, self.common, self.frames)
         self.connect(
-            Chain([gravity_stage(removal)]),
+            Chain([gravity_stage(removal, mountings(self, self.frames))]),
             inputs=gravity_inputs(settings.attitude),
             outputs=(ACCELERATION,) if settings.attitude == 'message' else (IMU, ACCELERATION),
         )

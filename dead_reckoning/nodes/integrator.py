@@ -8,6 +8,7 @@ from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.stages import ACCELERATION, IMU, ODOMETRY, STATIONARY, integrator_stage
 from dead_reckoning.nodes import parameters
 from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.transforms import mountings
 
 
 class IntegratorNode(ChainNode):
@@ -17,7 +18,7 @@ class IntegratorNode(ChainNode):
         super().__init__('integrator', (IntegratorSettings,))
         integrator = Integrator(self.configuration[IntegratorSettings], self.common)
         self.connect(
-            Chain([integrator_stage(integrator)]),
+            Chain([integrator_stage(integrator, mountings(self, self.frames))]),
             inputs=(ACCELERATION, IMU),
             outputs=(ODOMETRY, STATIONARY),
         )

@@ -17,6 +17,7 @@ from dead_reckoning.core.stages import (
 from dead_reckoning.core.step_odometry import StepOdometry
 from dead_reckoning.nodes import parameters
 from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.transforms import mountings
 
 
 class PedometerNode(ChainNode):
@@ -28,7 +29,7 @@ class PedometerNode(ChainNode):
         pedometer = Pedometer(settings, self.configuration[settings.method_part])
         odometry = StepOdometry(settings, self.common)
         self.connect(
-            Chain([pedometer_stage(pedometer, odometry)]),
+            Chain([pedometer_stage(pedometer, odometry, mountings(self, self.frames))]),
             inputs=pedometer_inputs(settings),
             outputs=PEDOMETER_OUTPUTS,
         )

@@ -20,6 +20,7 @@ from dead_reckoning.core.stages import (
 from dead_reckoning.nodes import gravity_removal, integrator, pedometer
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.driver import driver_of
+from dead_reckoning.nodes.transforms import mountings
 from dead_reckoning.tables import OdometryLog, stop_after
 
 
@@ -34,7 +35,9 @@ class PipelineNode(ChainNode):
         super().__init__('pipeline', parts)
         settings = self.configuration[PipelineSettings]
         from_topic = settings.source == 'topic'
-        pipeline = Pipeline(self.configuration, self._ending(settings))
+        pipeline = Pipeline(
+            self.configuration, self._ending(settings), mountings(self, self.frames)
+        )
         inputs = [name for name in pipeline.inputs if from_topic or name == COMPASS]
         outputs: list[str] = []
         between: list[str] = []

@@ -100,6 +100,25 @@ PRESETS = (
             'pipeline.estimators': ('pedometer',),
         },
     ),
+    Preset(
+        'robot_localization',
+        'A robot with an IMU and a gyro, for robot_localization: run `pipeline` with it; its '
+        'filter fuses the twist of odom and is the one that broadcasts odom → base_link '
+        '(docs/robot_localization.md). As a comment: how the IMU sits on base_link, from TF.',
+        {
+            'gravity.attitude': 'estimate',
+            'integrator.method': 'kalman',
+            'pipeline.source': 'topic',
+            'pipeline.estimators': ['integrator'],
+            'frames.world': 'odom',
+            'frames.body': 'base_link',
+            'frames.mounting': 'parameters',
+            'frames.mounting_rotation': [0.0, 0.0, 0.0],
+            'frames.mounting_translation': [0.0, 0.0, 0.0],
+            'frames.publish_tf': False,
+        },
+        other={'frames.mounting': 'tf'},
+    ),
 )
 
 

@@ -87,6 +87,11 @@ class Nodes:
         self._processes[name] = process
         return process.stdout if process.stdout is not None else sys.stderr
 
+    @property
+    def pids(self) -> dict[str, int]:
+        """The process of each node, by the node's name."""
+        return {name: process.pid for name, process in self._processes.items()}
+
     def check(self) -> None:
         """Raise `NodeEndedError` if one of them has ended."""
         for name, process in self._processes.items():

@@ -8,7 +8,7 @@ from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.rest_search import Stillness
-from dead_reckoning.core.samples import ImuSample, Matrix, Quaternion
+from dead_reckoning.core.samples import ImuSample, Matrix, Quaternion, Vector
 
 
 class AttitudeSource(Protocol):
@@ -40,6 +40,9 @@ class AttitudeSource(Protocol):
 
         Raises `CalibrationError` where it can't have been one.
         """
+
+    def rate(self, imu: ImuSample) -> tuple[Vector | None, Matrix]:
+        """Return the rate of turn of a sample and its covariance, as well as they are known."""
 
     def follow_compass(self, stamp_ns: int) -> None:
         """Take note that the compass has a new yaw."""

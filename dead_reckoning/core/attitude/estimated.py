@@ -13,6 +13,7 @@ from dead_reckoning.core.rest_search import Stillness
 from dead_reckoning.core.rotation import (
     composed,
     euler_from_gravity,
+    isotropic,
     matrix_from_quaternion,
     normalized,
     quaternion_from_euler,
@@ -51,6 +52,8 @@ class EstimatedAttitude:
         self._settings = settings
         self._compass = compass
         self._level_variance = common.attitude_deviation**2
+        self._rate_variance = common.rate_deviation**2
+        self._turn_deviation = common.turn_deviation
         self.reset()
 
     def reset(self) -> None:
@@ -114,7 +117,7 @@ class EstimatedAttitude:
         dt = step_ns / NANOSECONDS
         self.bias.wander(dt)
         if dt > self._settings.max_gap:
-            hidden = (self._settings.turn_deviation * dt) ** 2
+            hidden = (self._turn_deviation * dt) ** 2
             self._lost += hidden
             self._yaw_variance += hidden
             return
@@ -122,6 +125,19 @@ class EstimatedAttitude:
         self._follow_gravity(dt, imu.specific_force)
         self._yaw_bias *= 1.0 - self.bias.learn(imu, self._rot_ws)
         self._spread(dt, imu.angular_velocity_covariance)
+
+    def rate(self, imu: ImuSample) -> tuple[Vector | None, Matrix]:
+        """Take the bias off; what is not known of it and of the sensitivity adds to the noise."""
+        assert imu.angular_velocity is not None
+        x, y, z = (r - b for r, b in zip(imu.angular_velocity, self.bias.value, strict=True))
+        scale = self._scale_variance
+        noise = imu.angular_velocity_covariance
+        if noise == UNKNOWN:
+            noise = isotropic(sqrt(self._rate_variance))
+        xx, xy, xz, _, yy, yz, _, _, zz = noise
+        bias = self.bias.variance
+        xx, yy, zz = xx + bias + scale(x), yy + bias + scale(y), zz + bias + scale(z)
+        return (x, y, z), (xx, xy, xz, xy, yy, yz, xz, yz, zz)
 
     def follow_compass(self, stamp_ns: int) -> None:
         """Turn the yaw towards that of the compass, all the way with its first message."""
@@ -207,7 +223,7 @@ class EstimatedAttitude:
 
     def _spread(self, dt: float, covariance: Matrix) -> None:
         """Let grow what is not known."""
-        noise = self._settings.rate_deviation**2
+        noise = self._rate_variance
         if covariance != UNKNOWN:
             noise = (covariance[0] + covariance[4] + covariance[8]) / 3.0
         self._shaken = 1.25 * self._settings.tilt_time * noise * dt

@@ -8,7 +8,7 @@ from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.rest_search import Stillness
 from dead_reckoning.core.rotation import euler_from_gravity, isotropic, quaternion_from_euler
-from dead_reckoning.core.samples import ImuSample, Matrix, Quaternion
+from dead_reckoning.core.samples import ImuSample, Matrix, Quaternion, Vector
 
 
 class HeldAttitude:
@@ -48,6 +48,10 @@ class HeldAttitude:
         if self.attitude is not None and yaw != self._yaw:
             self._yaw = yaw
             self._set()
+
+    def rate(self, imu: ImuSample) -> tuple[Vector | None, Matrix]:
+        """Return what the sample says."""
+        return imu.angular_velocity, imu.angular_velocity_covariance
 
     def follow_compass(self, stamp_ns: int) -> None:
         """Leave it to the next sample."""

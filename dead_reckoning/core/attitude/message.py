@@ -6,7 +6,7 @@ from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import MissingAttitudeError
 from dead_reckoning.core.rest_search import Stillness
 from dead_reckoning.core.rotation import isotropic, normalized
-from dead_reckoning.core.samples import UNKNOWN, ImuSample, Matrix, Quaternion
+from dead_reckoning.core.samples import UNKNOWN, ImuSample, Matrix, Quaternion, Vector
 
 
 class MessageAttitude:
@@ -45,6 +45,10 @@ class MessageAttitude:
         self.attitude = normalized(imu.orientation)
         covariance = imu.orientation_covariance
         self.covariance = self._fallback if covariance == UNKNOWN else covariance
+
+    def rate(self, imu: ImuSample) -> tuple[Vector | None, Matrix]:
+        """Return what the sample says."""
+        return imu.angular_velocity, imu.angular_velocity_covariance
 
     def follow_compass(self, stamp_ns: int) -> None:
         """Ignore it: the message knows better."""

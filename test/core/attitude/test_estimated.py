@@ -30,11 +30,11 @@ LEVEL = (0.0, 0.0, GRAVITY)
 DEGREE = math.radians(1.0)
 
 
-def estimate(attitude_deviation=DEGREE, **settings):
+def estimate(attitude_deviation=DEGREE, common=None, **settings):
     """Return a gravity removal that estimates the attitude."""
     return GravityRemoval(
         GravitySettings(attitude='estimate', **settings),
-        CommonSettings(attitude_deviation=attitude_deviation),
+        CommonSettings(attitude_deviation=attitude_deviation, **(common or {})),
         FrameSettings(),
     )
 
@@ -250,7 +250,7 @@ def test_yaw_takes_the_short_way(end):
 
 
 def test_compass_corrects_at_once_what_a_gap_has_hidden():
-    removal = estimate(compass_time=100.0, turn_deviation=0.5)
+    removal = estimate(compass_time=100.0, common={'turn_deviation': 0.5})
     run(removal, *at_rest(2.0), headings=np.ones(200))
     later = START_NS + 20 * 10**9
     removal.update(imu(later, LEVEL, ZERO))
@@ -341,7 +341,7 @@ def test_error_is_as_large_as_the_covariance_says(name, aided):
     for _ in range(12):
         headings = heading_of(truth) + random.normal(0.0, 0.03) if aided else None
         orientations, variances = run(
-            estimate(OFFSET, rate_deviation=NOISE, rate_scale_deviation=SCALE),
+            estimate(OFFSET, rate_scale_deviation=SCALE, common={'rate_deviation': NOISE}),
             *measured(random, force, rate),
             0.02,
             headings=headings,
@@ -388,7 +388,7 @@ def test_linear_acceleration_is_right_while_it_turns():
 
 
 def test_gap_holds_the_attitude_and_its_uncertainty_grows():
-    removal = estimate(turn_deviation=0.1)
+    removal = estimate(common={'turn_deviation': 0.1})
     run(removal, *at_rest(2.0))
     before = removal.update(imu(START_NS + 2 * 10**9, LEVEL, ZERO)).imu
     after = removal.update(imu(START_NS + 5 * 10**9, LEVEL, (1.0, 0.0, 0.0))).imu
@@ -480,10 +480,15 @@ def test_turning_before_the_rest_delays_the_attitude():
     assert np.isfinite(orientations[-1]).all()
 
 
-def test_sample_keeps_what_it_carried():
+def test_rate_comes_without_its_bias_which_is_not_known_exactly():
     removal = estimate()
-    run(removal, *at_rest(0.6))
-    sample = imu(START_NS + 10**9, LEVEL, (0.1, 0.2, 0.3), (2.0,) * 9)
-    passed = removal.update(sample).imu
-    assert passed.angular_velocity == (0.1, 0.2, 0.3)
-    assert passed.angular_velocity_covariance == (2.0,) * 9
+    run(removal, *at_rest(0.6, rate=(0.01, -0.02, 0.03)))
+    noise = (2e-6, 1e-6, 0.0, 1e-6, 2e-6, 0.0, 0.0, 0.0, 2e-6)
+    passed = removal.update(imu(START_NS + 10**9, LEVEL, (0.11, 0.18, 0.33), noise)).imu
+    assert passed.angular_velocity == pytest.approx((0.1, 0.2, 0.3))
+    added = np.subtract(passed.angular_velocity_covariance, noise)
+    assert added[[1, 2, 3, 5, 6, 7]] == pytest.approx(0.0)
+    assert (added[[0, 4, 8]] > 0.0).all()
+    assert (added[[0, 4, 8]] < 1e-5).all()
+    unknown = removal.update(imu(START_NS + 11 * 10**8, LEVEL, (0.11, 0.18, 0.33))).imu
+    assert unknown.angular_velocity_covariance[0] > CommonSettings().rate_deviation ** 2

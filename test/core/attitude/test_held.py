@@ -49,9 +49,11 @@ def rest(removal, first=0, force=LEVEL):
     return last
 
 
-def removal_at_rest(force=LEVEL, **settings):
+def removal_at_rest(force=LEVEL, turn_deviation=0.2, **settings):
     removal = GravityRemoval(
-        GravitySettings(attitude='rest', **settings), CommonSettings(), FrameSettings()
+        GravitySettings(attitude='rest', **settings),
+        CommonSettings(turn_deviation=turn_deviation),
+        FrameSettings(),
     )
     rest(removal, 0, force)
     return removal
