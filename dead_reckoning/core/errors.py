@@ -28,7 +28,7 @@ class SampleError(DeadReckoningError):
 
 
 class NotFiniteError(SampleError):
-    """A sample holds NaN or an infinity."""
+    """A sample holds NaN, an infinity, or a number or covariance that no measurement has."""
 
 
 class ZeroStampError(SampleError):

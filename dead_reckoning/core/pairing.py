@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Generic, TypeVar
 
 from dead_reckoning.core.errors import UnpairedError
+from dead_reckoning.core.samples import NANOSECONDS
 
 Left = TypeVar('Left')
 Right = TypeVar('Right')
@@ -14,11 +15,13 @@ class StampPairs(Generic[Left, Right]):
     """Pair samples of two streams by equal stamps, whichever comes first.
 
     Each stream keeps its own order, so once a pair is complete, what waits with an earlier arrival
-    on either side waits in vain: it is let go, and the next `collect_lost` reports it.  At most
-    ``limit`` samples wait on a side.
+    on either side waits in vain: it is let go, and the next `collect_lost` reports it.  So is
+    what waits for more than ``hold`` [s], by the stamps of its own stream, or when more than
+    ``limit`` wait on a side.
     """
 
-    def __init__(self, limit: int = 2000) -> None:
+    def __init__(self, hold: float = 2.0, limit: int = 2000) -> None:
+        self._hold_ns = round(hold * NANOSECONDS)
         self._limit = limit
         self._left: dict[int, Left] = {}
         self._right: dict[int, Right] = {}
@@ -61,10 +64,11 @@ class StampPairs(Generic[Left, Right]):
         self, side: dict[int, Left] | dict[int, Right], stamp_ns: int, sample: object
     ) -> None:
         side[stamp_ns] = sample  # type: ignore[assignment]
-        if len(side) > self._limit:
-            oldest = next(iter(side))
+        oldest = next(iter(side))
+        while stamp_ns - oldest > self._hold_ns or len(side) > self._limit:
             del side[oldest]
             self._lost.append(oldest)
+            oldest = next(iter(side))
 
     def _let_go(
         self, side: dict[int, Left] | dict[int, Right], paired_ns: int | None = None

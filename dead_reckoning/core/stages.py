@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dead_reckoning.core.chain import FAULT, NOTICE, Output, Stage
 from dead_reckoning.core.errors import GapError, RestartError, SampleError
-from dead_reckoning.core.gravity import GravityRemoval
+from dead_reckoning.core.gravity import GravityRemoval, Levelled
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.pairing import StampPairs
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, PedometerState
 from dead_reckoning.core.samples import ImuSample, LinearAcceleration
+from dead_reckoning.core.stamps import Timeline
 from dead_reckoning.core.step_odometry import StepOdometry
 
 RAW = 'imu/data_raw'
@@ -27,6 +28,9 @@ TOTALS = 'pedometer/totals'
 """No topic: put anything into a chain under this name after totals changed by other than samples,
 and what is new of them comes out."""
 
+LEVELLED = 'levelled'
+"""No topic: what gravity removal made of a sample, acceleration and attitude together."""
+
 PEDOMETER_OUTPUTS = (STEPS, DISTANCE, STEP_LENGTH, CADENCE, STEP_ODOMETRY)
 
 
@@ -44,7 +48,8 @@ def gravity_inputs(attitude: str) -> tuple[str, ...]:
 def gravity_stage(removal: GravityRemoval) -> Stage:
     """Take an Imu; give the linear acceleration, and the Imu with attitude if it came without.
 
-    Where the attitude does not come with the Imu, a compass is taken too, for the yaw.
+    Both together come out as `LEVELLED`, for the integrator in the same chain.  Where the attitude
+    does not come with the Imu, a compass is taken too, for the yaw.
     """
 
     def take(imu: ImuSample) -> list[Output]:
@@ -57,7 +62,7 @@ def gravity_stage(removal: GravityRemoval) -> Stage:
         else:
             if made.imu is not imu:
                 outputs.append((IMU, made.imu))
-            outputs.append((ACCELERATION, made.acceleration))
+            outputs += [(ACCELERATION, made.acceleration), (LEVELLED, made)]
         if removal.restarts != restarts:
             outputs.append((FAULT, RestartError('the stamps went back: looking for rest anew')))
         if removal.levelled is not levelled:  # the same words may be said anew
@@ -75,24 +80,46 @@ def gravity_stage(removal: GravityRemoval) -> Stage:
     return {taken: take} if taken == IMU else {taken: take, COMPASS: turn}
 
 
-def integrator_stage(integrator: Integrator) -> Stage:
-    """Take acceleration and attitude of equal stamps; give the state, and rest on change."""
-    pairs: StampPairs[LinearAcceleration, ImuSample] = StampPairs()
-    said: bool | None = None
+def pairing_stage() -> Stage:
+    """Take acceleration and attitude as two topics; give those of equal stamps as one.
 
-    def integrate(pair: tuple[LinearAcceleration, ImuSample] | None) -> list[Output]:
-        nonlocal said
+    A sample that could be no part of a pair, since gravity removal refuses the like of it, or by
+    its stamp, is a fault of its own and waits for no partner.
+    """
+    pairs: StampPairs[LinearAcceleration, ImuSample] = StampPairs()
+    accelerations, attitudes = Timeline(), Timeline()
+
+    def give(pair: tuple[LinearAcceleration, ImuSample] | None) -> list[Output]:
         outputs: list[Output] = []
         lost = pairs.collect_lost(ACCELERATION, IMU)
         if lost is not None:
             outputs.append((FAULT, lost))
-        if pair is None:
-            return outputs
+        if pair is not None:
+            acceleration, imu = pair
+            outputs.append((LEVELLED, Levelled(imu, acceleration)))
+        return outputs
+
+    def take_acceleration(sample: LinearAcceleration) -> list[Output]:
+        accelerations.advance(sample.stamp_ns)
+        return give(pairs.left(sample.stamp_ns, sample))
+
+    def take_attitude(imu: ImuSample) -> list[Output]:
+        Integrator.require(imu)
+        attitudes.advance(imu.stamp_ns)
+        return give(pairs.right(imu.stamp_ns, imu))
+
+    return {ACCELERATION: take_acceleration, IMU: take_attitude}
+
+
+def integrator_stage(integrator: Integrator) -> Stage:
+    """Take what gravity removal made; give the state, and rest on change."""
+    said: bool | None = None
+
+    def integrate(levelled: Levelled) -> list[Output]:
+        nonlocal said
+        outputs: list[Output] = []
         restarts, gaps = integrator.restarts, integrator.gaps
-        try:
-            state = integrator.update(*pair)
-        except SampleError as error:
-            return [*outputs, (FAULT, error)]
+        state = integrator.update(levelled.acceleration, levelled.imu)
         if integrator.restarts != restarts:
             outputs.append((FAULT, RestartError('the stamps went back: starting at the origin')))
         if integrator.gaps != gaps:
@@ -103,10 +130,7 @@ def integrator_stage(integrator: Integrator) -> Stage:
             outputs.append((STATIONARY, said))
         return outputs
 
-    return {
-        ACCELERATION: lambda sample: integrate(pairs.left(sample.stamp_ns, sample)),
-        IMU: lambda imu: integrate(pairs.right(imu.stamp_ns, imu)),
-    }
+    return {LEVELLED: integrate}
 
 
 def pedometer_inputs(settings: PedometerSettings) -> tuple[str, ...]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from math import degrees, exp, isfinite, remainder, sqrt, tau
+from math import degrees, exp, remainder, sqrt, tau
 
 from dead_reckoning.core.attitude.gyro_bias import GyroBias
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.compass_yaw import CompassYaw
-from dead_reckoning.core.errors import MissingRateError, NotFiniteError
+from dead_reckoning.core.errors import MissingRateError
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.rest_search import Stillness
 from dead_reckoning.core.rotation import (
@@ -75,14 +75,11 @@ class EstimatedAttitude:
 
     def require(self, imu: ImuSample) -> None:
         """Raise `SampleError` where a sample is of no use."""
-        rate = imu.angular_velocity
-        if rate is None:
+        if imu.angular_velocity is None:
             raise MissingRateError(
                 'the Imu measures no angular velocity, and gravity.attitude is estimate: take the '
                 'topic of a device with a gyro, or set gravity.attitude to rest'
             )
-        if not isfinite(sum(rate)) or not isfinite(sum(imu.angular_velocity_covariance)):
-            raise NotFiniteError(f'the angular velocity is {rate}: check the driver')
 
     def level(self, still: Stillness, stamp_ns: int) -> str:
         """Take tilt and bias from a rest; return them in words.
