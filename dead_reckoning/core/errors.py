@@ -95,6 +95,28 @@ class StaleCompassError(DeadReckoningError):
     severity = 'warning'
 
 
+class SilentInputError(DeadReckoningError):
+    """A topic fell silent, or never brought anything while its partner does."""
+
+    severity = 'warning'
+
+
+class SeveralPublishersError(DeadReckoningError):
+    """More than one node publishes what is taken for the samples of one sensor."""
+
+    severity = 'warning'
+
+
+class MismatchError(DeadReckoningError):
+    """Type or quality of service of a topic differ, so that nothing passes."""
+
+
+class ClockError(DeadReckoningError):
+    """The node goes by /clock, and /clock stands or never came."""
+
+    severity = 'warning'
+
+
 class CalibrationError(DeadReckoningError):
     """An offset found at rest is beyond what the sensor can have."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
@@ -21,13 +21,22 @@ PATIENCE = 2.0
 class Diagnostics:
     """Faults by their class name, and the figures a node gives, once a second.
 
-    ``figures`` returns what else is worth seeing.  The level is that of the faults since the last
-    time: error for wrong input, warning for dropped samples.
+    ``figures`` returns what else is worth seeing, ``findings`` what is wrong as long as it lasts,
+    ``awaited`` says what has not come yet.  The level is that of the faults since the last time:
+    error for wrong input, warning for dropped samples.
     """
 
-    def __init__(self, node: Node, figures: Callable[[], Mapping[str, object]]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        figures: Callable[[], Mapping[str, object]],
+        findings: Callable[[], Iterable[DeadReckoningError]],
+        awaited: Callable[[], str],
+    ) -> None:
         self._node = node
         self._figures = figures
+        self._findings = findings
+        self._awaited = awaited
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
         self._faults: Counter[str] = Counter()
         self._recent: dict[str, DeadReckoningError] = {}
@@ -64,6 +73,10 @@ class Diagnostics:
 
     def publish(self) -> None:
         """Publish counts, figures and the level since the last time."""
+        events, self._recent = self._recent, {}
+        for finding in self._findings():
+            self.fault(finding)
+        self._recent.update(events)  # what lasts explains what came of it, so it stands first
         status = DiagnosticStatus(
             name=self._node.get_fully_qualified_name().lstrip('/'), hardware_id='dead_reckoning'
         )
@@ -77,7 +90,11 @@ class Diagnostics:
 
     def _level(self) -> tuple[bytes, str]:
         if not self._recent:
-            return DiagnosticStatus.OK, 'running' if self.samples else 'waiting for samples'
+            return DiagnosticStatus.OK, 'running' if self.samples else self._waiting()
         worst = min(self._recent.values(), key=lambda error: error.severity)  # errors first
         warning = worst.severity == 'warning'
         return DiagnosticStatus.WARN if warning else DiagnosticStatus.ERROR, str(worst)
+
+    def _waiting(self) -> str:
+        awaited = self._awaited()
+        return 'waiting for samples' + (f' on {awaited}' if awaited else '')

@@ -34,6 +34,7 @@ class SimulatedDriver:
         node.create_timer(max(period, 0.001), self._tick)
         node.offer('calibrate', lambda: self.front_end.calibrate())
         node.show(self._figures)
+        node.watch_clock()
 
     def _tick(self) -> None:
         now_ns = self._node.get_clock().now().nanoseconds
