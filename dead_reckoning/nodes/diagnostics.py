@@ -15,7 +15,7 @@ REPEAT = 30.0
 """A fault that goes on is logged again after this time [s], with how often it came."""
 
 PATIENCE = 2.0
-"""How long [s] waiting for rest at the start goes without a word."""
+"""How long [s] waiting for rest, at the start or anew, goes without a word."""
 
 
 class Diagnostics:
@@ -74,6 +74,8 @@ class Diagnostics:
     def publish(self) -> None:
         """Publish counts, figures and the level since the last time."""
         events, self._recent = self._recent, {}
+        if NotLevelledError.__name__ not in events:
+            self._waiting_since = None
         for finding in self._findings():
             self.fault(finding)
         self._recent.update(events)  # what lasts explains what came of it, so it stands first

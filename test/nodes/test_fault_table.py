@@ -81,14 +81,14 @@ CASES = {
         'pipeline',
         ('imu/data',),
         ('odom', Odometry),
-        {**ONCE, 'GapError': 1},
+        {**ONCE, 'GapError': 1, 'RestartError': 2},  # of gravity removal and integrator
         {'gravity.attitude': 'message'},
     ),
     'pipeline estimated': Case(
         'pipeline',
         ('imu/data_raw',),
         ('odom', Odometry),
-        {**ONCE, 'GapError': 2},  # the attitude and the position, each with its remedy
+        {**ONCE, 'GapError': 2, 'RestartError': 2},  # each with its own remedy
         {'gravity.attitude': 'estimate'},
     ),
 }
