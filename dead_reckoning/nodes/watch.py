@@ -54,6 +54,7 @@ class TopicWatch:
         self._timeout = timeout
         self._inputs: list[Input] = []
         self._outputs: list[str] = []
+        self._begun = 0.0
 
     def add_input(self, name: str, source: str, needed: bool) -> Input:
         """Watch a subscription by the name it was made with; return where to count."""
@@ -81,15 +82,21 @@ class TopicWatch:
 
     def _silent(self) -> Iterator[SilentInputError]:
         now = time.monotonic()
-        lacking = [each for each in self._inputs if each.silent_for(now) > self._timeout]
         others = ' and '.join(each.topic for each in self._inputs if each.count)
+        if not others:
+            self._begun = now  # nothing has come yet, so nothing lacks beside it
+        lacking = [
+            each
+            for each in self._inputs
+            if each.silent_for(now) > self._timeout
+            and (each.count or (each.needed and now - self._begun > self._timeout))
+        ]
         said = [
             f'no message on {each.topic} for {each.silent_for(now):.0f} s: '
             f'{self._source_of(each)}; if it is that slow, raise common.input_timeout'
             if each.count
-            else f'{others} comes, but nothing on {each.topic} so far: {self._source_of(each)}'
+            else f'{others} came, but nothing on {each.topic} so far: {self._source_of(each)}'
             for each in lacking
-            if each.count or (each.needed and others)
         ]
         if said:
             yield SilentInputError('; '.join(said))

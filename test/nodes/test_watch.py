@@ -5,6 +5,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import AccelWithCovarianceStamped
 from messages import GRAVITY, NANOSECONDS, Feed, acceleration_message, imu_message
 from nav_msgs.msg import Odometry
+from rclpy.duration import Duration
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from ros_harness import BEST_EFFORT, figures
 from rosgraph_msgs.msg import Clock
@@ -97,7 +98,7 @@ def test_a_partner_that_never_comes_is_said_with_both_topics(ros):
         'nothing',
         feed.send,
     )
-    assert status.message.startswith('/imu/data comes, but')
+    assert status.message.startswith('/imu/data came, but')
     assert 'no publisher: start gravity_removal' in status.message
     publisher = ros.publisher('imu/linear_acceleration', AccelWithCovarianceStamped)
 
@@ -149,15 +150,24 @@ def test_a_publisher_that_can_not_be_heard_is_said_once_with_the_policy(ros):
     said.until(well, 'well again')
 
 
-def test_a_subscriber_that_hears_nothing_is_said_with_the_policy(ros):
+@pytest.mark.parametrize(
+    ('demand', 'reason'),
+    [
+        (
+            {'durability': QoSDurabilityPolicy.TRANSIENT_LOCAL},
+            'volatile publisher and transient local subscription',
+        ),
+        ({'deadline': Duration(seconds=1)}, 'deadline'),
+    ],
+)
+def test_a_subscriber_that_hears_nothing_is_said_with_the_policy(ros, demand, reason):
     ros.start('integrator')
     said = Said(ros, 'integrator')
-    late = QoSProfile(depth=1, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
-    ros.record('odom', Odometry, late)
+    ros.record('odom', Odometry, QoSProfile(depth=1, **demand))
     status = said.until(
         lambda s: names(s, 'MismatchError', '/odom', 'from /integrator to /test'), 'mismatch'
     )
-    assert 'volatile publisher and transient local subscription' in status.message
+    assert reason in status.message
 
 
 def test_another_type_on_a_topic_is_said(ros):
