@@ -83,13 +83,17 @@ class OdometryLog:
 
 
 def stop_after(duration: float, stop: Callable[[], None]) -> Stage:
-    """Return a stage that calls ``stop`` once states cover ``duration`` [s], by their stamps."""
-    first: list[int] = []
+    """Return a stage that calls ``stop`` once states cover ``duration`` [s], by their stamps.
+
+    Stamps that go back begin anew.
+    """
+    first_ns: int | None = None
 
     def look(state: NavigationState) -> tuple[()]:
-        if not first:
-            first.append(state.stamp_ns)
-        if state.stamp_ns - first[0] >= duration * 1e9:
+        nonlocal first_ns
+        if first_ns is None or state.stamp_ns < first_ns:
+            first_ns = state.stamp_ns
+        if state.stamp_ns - first_ns >= duration * 1e9:
             stop()
         return ()
 

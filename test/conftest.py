@@ -86,6 +86,13 @@ def module_domain_id():
         yield domain
 
 
+@pytest.fixture(scope='module')
+def other_module_domain_id():
+    """Give the tests of a module a second domain, for what runs beside the first."""
+    with claimed_domain() as domain:
+        yield domain
+
+
 @pytest.hookimpl(optionalhook=True)  # older pytest does not know it
 def pytest_collect_directory(path, parent):
     """Skip the tests of the nodes, saying why, where there is no ROS."""

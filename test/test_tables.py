@@ -89,3 +89,13 @@ def test_stop_after_counts_from_the_first_state():
     assert not stopped
     chain.push(ODOMETRY, state(102 * 10**9))
     assert stopped
+
+
+def test_stop_after_begins_anew_where_stamps_go_back():
+    stopped = []
+    chain = Chain([stop_after(2.0, lambda: stopped.append(True))])
+    for seconds in (100, 101, 3, 4):
+        chain.push(ODOMETRY, state(seconds * 10**9))
+    assert not stopped
+    chain.push(ODOMETRY, state(5 * 10**9))
+    assert stopped

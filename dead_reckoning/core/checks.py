@@ -17,11 +17,11 @@ CORRELATION = 1.01
 """Square of a correlation that is still taken for a rounded 1."""
 
 
-def require_vector(vector: Vector, name: str) -> None:
+def require_vector(vector: Vector, name: str, remedy: str = 'check the driver') -> None:
     """Raise `NotFiniteError` for a vector, shape (3,), that nothing can have measured."""
     x, y, z = vector
     if not (abs(x) <= LARGEST and abs(y) <= LARGEST and abs(z) <= LARGEST):  # NaN too
-        raise NotFiniteError(f'the {name} is {vector}: check the driver')
+        raise NotFiniteError(f'the {name} is {vector}: {remedy}')
 
 
 def require_covariance(covariance: Matrix, name: str) -> None:
@@ -71,5 +71,9 @@ def require_rate(imu: ImuSample) -> None:
     An Imu without one passes.
     """
     if imu.angular_velocity is not None:
-        require_vector(imu.angular_velocity, 'angular velocity')
+        require_vector(
+            imu.angular_velocity,
+            'angular velocity',
+            'check the driver; where there is no gyro, set angular_velocity_covariance[0] to -1',
+        )
         require_covariance(imu.angular_velocity_covariance, 'angular velocity')

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from dead_reckoning.core.chain import Chain, Stage
 from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
@@ -50,6 +51,17 @@ class PipelineSettings(Settings, prefix='pipeline'):
         unit='s',
         minimum=0.0,
     )
+
+    def validate(self) -> None:
+        """Raise `SettingsError` where states are to be logged or timed, and there are none."""
+        if 'integrator' in self.estimators:
+            return
+        for key, asked in (('log_csv', self.log_csv != ''), ('duration', self.duration > 0.0)):
+            if asked:
+                raise SettingsError(
+                    f'pipeline.{key}: it goes by the states of the integrator, which is not in '
+                    'pipeline.estimators; add it there'
+                )
 
 
 class Pipeline:

@@ -67,6 +67,7 @@ PRESETS = (
             'driver.range_g': 16.0,
             'driver.sample_rate': 3200.0,
             'driver.samples_per_message': 32,
+            'driver.noise': 5.66,  # the sheet's count at 100 Hz, and √32 of it at 3200 Hz
             'driver.vehicle.length': 6.0,
             'driver.vehicle.width': 3.0,
             'driver.vehicle.loops': 1,
@@ -75,8 +76,8 @@ PRESETS = (
             'gravity.attitude': 'rest',
             'integrator.method': 'trapezoid',
             'integrator.axes': ['x'],
-            'integrator.window_minimum': -0.06,
-            'integrator.window_maximum': 0.06,
+            'integrator.window_minimum': -0.12,
+            'integrator.window_maximum': 0.12,
             'pipeline.source': 'simulated',
             'pipeline.log_csv': 'results.csv',
             'pipeline.duration': 15.0,
@@ -96,6 +97,7 @@ PRESETS = (
             'driver.walk.roll': 1.5708,
             'pedometer.axes': ('x', 'y'),
             'pedometer.length_model': 'an900_equation2',
+            'pipeline.estimators': ('pedometer',),
         },
     ),
 )

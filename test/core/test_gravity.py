@@ -66,6 +66,17 @@ def imu(step, force, orientation=None, covariance=UNKNOWN, orientation_covarianc
     )
 
 
+def turning(step, rate, covariance=UNKNOWN):
+    return ImuSample(
+        START_NS + step * STEP_NS,
+        'imu_link',
+        LEVEL,
+        angular_velocity=rate,
+        angular_velocity_covariance=covariance,
+        orientation=(0.0, 0.0, 0.0, 1.0),
+    )
+
+
 def force_at(euler, acceleration_w=(0.0, 0.0, 0.0), gravity=GRAVITY):
     """Return what an accelerometer in an attitude measures under an acceleration."""
     x, y, z = acceleration_w
@@ -304,6 +315,8 @@ BAD_ANYWHERE = [
     (lambda step: imu(step, LEVEL, QUATERNION, (NAN,) * 9), NotFiniteError),
     (lambda step: imu(step, LEVEL, QUATERNION, (*UNKNOWN[:8], INF)), NotFiniteError),
     (lambda step: imu(step, LEVEL, QUATERNION, UNKNOWN, (NAN,) * 9), NotFiniteError),
+    (lambda step: turning(step, (0.0, NAN, 0.0)), NotFiniteError),
+    (lambda step: turning(step, (0.0, 0.0, 0.0), (*UNKNOWN[:8], NAN)), NotFiniteError),
     (lambda step: imu(step, LEVEL, QUATERNION, NOT_MEASURED), MissingAccelerationError),
     (lambda step: ImuSample(0, 'imu_link', LEVEL, orientation=QUATERNION), ZeroStampError),
     (lambda step: imu(step - 1, LEVEL, QUATERNION), RepeatedStampError),

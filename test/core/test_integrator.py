@@ -52,13 +52,21 @@ def bare(**settings):
     return integrator(**(BARE | settings))
 
 
-def pair(stamp_ns, acceleration, orientation=IDENTITY_QUATERNION, noise=UNKNOWN, attitude=UNKNOWN):
+def pair(
+    stamp_ns,
+    acceleration,
+    orientation=IDENTITY_QUATERNION,
+    noise=UNKNOWN,
+    attitude=UNKNOWN,
+    rate=None,
+):
     x, y, z = acceleration
     imu = ImuSample(
         stamp_ns,
         'imu_link',
         (x, y, z + GRAVITY),
         noise,
+        rate,
         orientation=orientation,
         orientation_covariance=attitude,
     )
@@ -493,6 +501,7 @@ BAD = [
     (lambda now: pair(now, ZERO, noise=(NAN,) * 9), NotFiniteError),
     (lambda now: pair(now, ZERO, noise=(INF, *UNKNOWN[1:])), NotFiniteError),
     (lambda now: pair(now, ZERO, attitude=(*UNKNOWN[:8], NAN)), NotFiniteError),
+    (lambda now: pair(now, ZERO, rate=(NAN, 0.0, 0.0)), NotFiniteError),
     (lambda now: pair(now, ZERO, None), MissingAttitudeError),
     (lambda now: pair(0, ZERO), ZeroStampError),
     (lambda now: pair(now - STEP_NS, ZERO), RepeatedStampError),

@@ -7,8 +7,8 @@ import pytest
 
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.chain import FAULT
-from dead_reckoning.core.errors import NotLevelledError
-from dead_reckoning.core.pipeline import Pipeline
+from dead_reckoning.core.errors import NotLevelledError, SettingsError
+from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.stages import ODOMETRY, RAW
 from dead_reckoning.sources.driver import front_end, simulated_sensor
 from dead_reckoning.sources.driver_settings import DriverSettings
@@ -98,3 +98,12 @@ def test_same_seed_gives_the_same_bits():
     first, second = ([dataclasses.astuple(state) for state in slide(3)[0]] for _ in range(2))
     assert first == second
     assert first != [dataclasses.astuple(state) for state in slide(4)[0]]
+
+
+@pytest.mark.parametrize('asked', [{'log_csv': 'log.csv'}, {'duration': 15.0}], ids=str)
+def test_states_can_not_be_logged_or_timed_without_an_integrator(asked):
+    """A log that stays empty and an end that never comes are said at the start."""
+    PipelineSettings(**asked, estimators=('integrator', 'pedometer'))
+    (key,) = asked
+    with pytest.raises(SettingsError, match=rf'pipeline\.{key}: .*integrator'):
+        PipelineSettings(**asked, estimators=('pedometer',))

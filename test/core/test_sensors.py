@@ -1,5 +1,7 @@
 """What the data sheets say, and what follows from it."""
 
+import math
+
 import pytest
 
 from dead_reckoning.core import sensors
@@ -13,6 +15,26 @@ def test_mma7260qt_has_the_figures_of_its_sheet():
     assert part.low_pass == (350.0, 350.0, 150.0)
     assert part.swing_margin == 0.25
     assert not part.digital
+
+
+def test_adxl345_has_the_figures_of_its_sheet():
+    part = sensors.part('adxl345')
+    assert part.digital
+    assert set(part.ranges) == {2.0, 4.0, 8.0, 16.0}
+    for counts_per_g in part.ranges.values():
+        assert 1000.0 / counts_per_g == pytest.approx(3.9, abs=0.01), 'mg'
+    assert part.limits(16.0)[1] - part.limits(16.0)[0] == (1 << 13) - 1
+    assert part.zero_g_tolerance == pytest.approx(0.25 * 256.0), 'z, the worst axis'
+    assert part.wake_time == pytest.approx(1.0 / 3200.0 + 0.0011, abs=1e-4)
+
+
+def test_adxl330_has_the_figures_of_its_sheet():
+    part = sensors.part('adxl330')
+    assert part.ratiometric
+    assert part.ranges == {3.0: 0.3}
+    assert (part.supply[0], part.zero_g, part.zero_g_tolerance) == (3.0, 1.5, 0.3)
+    assert part.low_pass == (30.0,) * 3
+    assert part.noise == pytest.approx(280e-6 * math.sqrt(1.57 * 30.0) * 0.3, rel=0.01)
 
 
 @pytest.mark.parametrize('name', sensors.names())

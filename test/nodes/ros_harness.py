@@ -95,6 +95,7 @@ class NodeProcess:
             **os.environ,
             'ROS_DOMAIN_ID': str(domain),
             'ROS_LOG_DIR': str(folder),
+            'PYTHONFAULTHANDLER': '1',
             'PYTHONPATH': os.pathsep.join([ROOT, os.environ.get('PYTHONPATH', '')]),
         }
         with (folder / 'stdout').open('wb') as out, (folder / 'stderr').open('wb') as err:
@@ -133,7 +134,7 @@ class NodeProcess:
         try:
             return self.process.wait(DEADLINE)
         except subprocess.TimeoutExpired:
-            self.process.kill()
+            self.process.send_signal(signal.SIGABRT)  # whereupon it writes where it is
             self.process.wait()
             pytest.fail(f'{self.name} did not end within {DEADLINE} s:\n{self.stderr}')
 

@@ -14,16 +14,9 @@ import pytest
 
 pytest.importorskip('rclpy', reason='the demo runs ROS nodes, and rclpy is not installed')
 
-COMMAND = [
-    sys.executable,
-    '-m',
-    'dead_reckoning.tools.main',
-    'demo',
-    'slide',
-    'square',
-    'walk',
-    'mbed',
-]
+DEMO = [sys.executable, '-m', 'dead_reckoning.tools.main', 'demo']
+COMMAND = [*DEMO, 'slide', 'square']
+LONGER = [*DEMO, 'walk', 'mbed']
 MARK = 'DEAD_RECKONING_TEST_RUN'
 
 
@@ -44,7 +37,23 @@ def processes_of(mark):
 
 
 @pytest.fixture(scope='module')
-def demo(tmp_path_factory, module_domain_id):
+def longer(tmp_path_factory, other_module_domain_id):
+    """Start the cases that take long, beside the others; return what waits for them."""
+    output = tmp_path_factory.mktemp('longer')
+    run = subprocess.Popen(
+        [*LONGER, '--output', str(output)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment('longer', other_module_domain_id),
+    )
+    yield lambda: (*run.communicate(timeout=180), run.returncode)
+    run.terminate()
+    run.wait()
+
+
+@pytest.fixture(scope='module')
+def demo(tmp_path_factory, module_domain_id, longer):
     output = tmp_path_factory.mktemp('demo')
     run = subprocess.run(
         [*COMMAND, '--output', str(output)],
@@ -128,6 +137,20 @@ def test_the_page_opens_in_a_browser(demo):
 
 def test_no_process_is_left_after_the_demo(demo):
     assert processes_of('demo') == []
+
+
+def test_steps_are_exact_and_the_eight_closes(longer):
+    said, errors, status = longer()
+    assert (status, errors) == (0, '')
+    assert re.search(r'^ +steps +60 +60 +\+0$', said, re.M)
+    distance = re.search(r'distance \[m\] +42.00 +(\S+)', said)
+    assert float(distance.group(1)) == pytest.approx(42.0, rel=0.1)
+    length = re.search(r'length of the way \[m\] +(\S+) +(\S+)', said)
+    assert float(length.group(2)) == pytest.approx(float(length.group(1)), rel=0.02)
+    for axis in 'xy':
+        for end in re.findall(rf'{axis} at the end \[m\] +0\.00 +(\S+)', said):
+            assert abs(float(end)) < 1.0
+    assert processes_of('longer') == []
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])

@@ -13,6 +13,7 @@ from dead_reckoning.core.rotation import (
     matrix_from_quaternion,
     quaternion_from_euler,
     quaternion_from_matrix,
+    yaw_from_quaternion,
 )
 from dead_reckoning.core.samples import (
     IDENTITY_QUATERNION,
@@ -262,6 +263,32 @@ def test_heading_error_that_changes_with_the_heading_does_not_cancel(method):
     assert (deviations[:2] > 0.2).all()
     assert (deviations[:2] < 0.04 * 122.0).all()
     assert deviations[2] < 0.01
+
+
+def test_iron_near_the_compass_errs_as_the_covariance_says():
+    """Iron of its own in each of 40 drives, two rounds: what it bends all along adds up."""
+    truth, attitudes = driven(10, 50.0, start=1.0, loop_time=20.0, length=20.0, width=10.0)
+    yaw = np.array([yaw_from_quaternion(quaternion) for quaternion in attitudes])
+    known = {'offset_deviation': 0.0, 'scale_deviation': 0.0, 'heading_deviation': 0.04}
+    random = np.random.default_rng(4)
+    off, said = [], []
+    for x, y in random.normal(0.0, 0.04, (40, 2)):
+        turn = x * np.cos(yaw) + y * np.sin(yaw)
+        accel_x, accel_y, _ = truth.acceleration.T
+        bent = np.column_stack(
+            [
+                np.cos(turn) * accel_x - np.sin(turn) * accel_y,
+                np.sin(turn) * accel_x + np.cos(turn) * accel_y,
+                np.zeros(len(turn)),
+            ]
+        )
+        estimator = integrator(common=QUIET, **known)
+        states = run(estimator, bent, yaws(yaw + turn), dt=0.1, attitude=only_yaw(0.04))
+        off.append(np.subtract(states[-1].position, truth.position[-1])[:2])
+        said.append(np.sqrt(np.array(states[-1].position_covariance)[[0, 4]]))
+    ratio = np.sqrt(np.mean((np.array(off) / said) ** 2, axis=0))
+    assert (ratio > 0.5).all()
+    assert (ratio < 1.25).all()
 
 
 @pytest.mark.parametrize('method', METHODS)
