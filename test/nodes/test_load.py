@@ -14,7 +14,7 @@ from ros_harness import EXECUTORS, NODES, figures, lossless
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 
-SECONDS = 3.0
+SECONDS = 2.0
 SHARE = 0.5
 """Of a core: many times what is needed, half of what spinning takes."""
 
