@@ -24,7 +24,7 @@ setup(
     packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
     python_requires='>=3.10',
     # ROS itself is no pip requirement: it comes from the sourced installation.
-    install_requires=['filterpy', 'matplotlib', 'numpy', 'PyYAML', 'rosbags'],
+    install_requires=['filterpy', 'matplotlib', 'numpy', 'pyserial', 'PyYAML', 'rosbags'],
     extras_require={'test': ['hypothesis', 'pytest']},
     zip_safe=True,
     data_files=[

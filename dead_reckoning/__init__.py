@@ -34,7 +34,7 @@ Values
 Rooms
     ``core``     samples, settings, models, estimators, the chain that composes them; no ROS,
                  clock, file or log.
-    ``sources``  where samples come from: simulated sensors, recordings.
+    ``sources``  where samples come from: simulated sensors, serial ports, recordings.
     ``configuration``  all parts' settings, and the YAML files that hold them.
     ``nodes``    thin ROS 2 nodes around a chain.
     ``tools``    the command line; needs no ROS.

@@ -24,6 +24,8 @@ from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import PipelineSettings
 from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
+from dead_reckoning.sources.serial import protocols
+from dead_reckoning.sources.serial.settings import SerialSettings
 from dead_reckoning.sources.simulated import SimulatedSettings
 from dead_reckoning.sources.simulated_compass import SimulatedCompassSettings
 from dead_reckoning.sources.simulated_gyroscope import GyroSettings
@@ -37,6 +39,8 @@ DRIVER = (
     DriverSettings,
     SimulatedSettings,
     GyroSettings,
+    SerialSettings,
+    *(protocols.decoder_class(name).Settings for name in protocols.names()),
     *(motions.motion_class(name).Settings for name in motions.names()),
 )
 """Parts of the accelerometer driver."""
@@ -62,6 +66,10 @@ PARTS: tuple[type[Settings], ...] = (
 """All parts, in the order of the reference page."""
 
 
+DRIVER_SOURCES = next(p.choices for p in DriverSettings.parameters() if p.name == 'source')
+"""Where a driver's samples may come from."""
+
+
 class _Loader(yaml.SafeLoader):
     """Read scalars as rcl does: 1e-3 is a number, and y and n are booleans."""
 
@@ -82,8 +90,11 @@ class Configuration:
     """
 
     def __init__(self, values: Mapping[str, Any] | None = None) -> None:
-        values = values or {}
+        values = dict(values or {})
         refuse_unknown(values, PARTS)
+        if values.get('pipeline.source') in DRIVER_SOURCES:
+            # The pipeline takes the driver's place, whatever a driver of the same file would read.
+            values['driver.source'] = values['pipeline.source']
         self._settings = {part: part.from_values(values) for part in PARTS}
 
     def __getitem__(self, part: type[SettingsType]) -> SettingsType:

@@ -6,6 +6,7 @@ The environment is set when this is imported, since message modules read theirs 
 import fcntl
 import os
 import socket
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,6 +19,8 @@ DOMAINS = range(102)
 """Domains whose ports stay below those that Linux hands out to anyone."""
 
 SHARED_MEMORY = Path('/dev/shm')
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
@@ -84,6 +87,15 @@ def module_domain_id():
     """Give the tests of a module that share processes a ROS domain of their own."""
     with claimed_domain() as domain:
         yield domain
+
+
+@pytest.fixture
+def board(tmp_path):
+    """Give a test a board on a serial port, still unplugged."""
+    from board import Board
+
+    with Board(tmp_path) as board:
+        yield board
 
 
 @pytest.fixture(scope='module')

@@ -21,10 +21,11 @@ IMPORTED_BY = {
     'python3-numpy': 'numpy',
     'python3-pytest': 'pytest',
     'python3-rosbags-pip': 'rosbags',
+    'python3-serial': 'serial',
     'python3-yaml': 'yaml',
 }
 """Rosdep keys that are not the name one imports."""
-IMPORTED_FROM_PIP = {'PyYAML': 'yaml'}
+IMPORTED_FROM_PIP = {'PyYAML': 'yaml', 'pyserial': 'serial'}
 FROM_ROS = {
     'ament_index_python',
     'builtin_interfaces',

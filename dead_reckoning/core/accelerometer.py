@@ -12,6 +12,9 @@ from dead_reckoning.core.samples import Vector
 
 Array = NDArray[np.float64]
 
+UNITS = ('counts', 'volts', 'g', 'm/s2')
+"""What readings of a sensor may come in, for `Accelerometer.counts_of`."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Accelerometer:
@@ -64,6 +67,26 @@ class Accelerometer:
             counts = np.floor(counts + 0.5)
         limited: Array = np.clip(counts, *self.limits)
         return limited
+
+    def counts_of(self, readings: Array, unit: str) -> Array:
+        """Return readings in one of `UNITS`, shape (n, 3), as counts with their fractions.
+
+        A board that sends g or m/s² is taken to compute them with the nominal offset and
+        sensitivity; what is beyond the ends of the converter stands at its end then, and so counts
+        as clipped.
+        """
+        if unit == 'counts':
+            return readings
+        if unit == 'volts':
+            return readings / self.unit_per_count
+        force_s = readings * (GRAVITY if unit == 'g' else 1.0)
+        return self.convert(self.output(force_s), quantise=False)
+
+    def possible(self, counts: Array) -> NDArray[np.bool_]:
+        """Say which rows of counts, shape (n, 3), the converter can give, to within a count."""
+        low, high = self.limits
+        inside: NDArray[np.bool_] = ((counts >= low - 1.0) & (counts <= high + 1.0)).all(axis=1)
+        return inside
 
     def force(self, counts: Array, zero_g: Array) -> Array:
         """Return the specific force, shape (n, 3) [m/s²], frame s, of counts, shape (n, 3).

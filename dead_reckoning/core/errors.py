@@ -11,7 +11,8 @@ class DeadReckoningError(Exception):
     """Root of all errors that this package raises on purpose.
 
     ``severity`` is that of the line in the log: a warning where the work goes on without the
-    sample, or with a doubt; an error where what comes out is wrong or missing.
+    sample, or with a doubt; an error where what comes out is wrong or missing; none where it is
+    to be expected, and only counted.
     """
 
     severity: ClassVar[str] = 'error'
@@ -131,6 +132,62 @@ class SupersededError(DeadReckoningError):
 
 class WireError(DeadReckoningError):
     """Bytes are not the message they were taken for."""
+
+
+class ReadingError(DeadReckoningError):
+    """Bytes of a board hold no reading that can be used; a subclass says why."""
+
+    severity = 'warning'
+
+
+class CutError(ReadingError):
+    """A reading lacks its beginning or its end, where the port was opened or lost."""
+
+    severity = 'none'
+
+
+class GarbledError(ReadingError):
+    """A line of a board is no text."""
+
+
+class OverlongError(ReadingError):
+    """A line of a board does not end."""
+
+
+class ColumnError(ReadingError):
+    """A line of a board has more or fewer columns than it should."""
+
+
+class NumberError(ReadingError):
+    """A column of a line holds no number."""
+
+
+class OutOfRangeError(ReadingError):
+    """A reading is outside of what the converter can give."""
+
+
+class PortError(DeadReckoningError):
+    """A serial port can't be read; a subclass says why, where that is known."""
+
+
+class MissingPortError(PortError):
+    """There is no such serial port."""
+
+
+class PortPermissionError(PortError):
+    """The serial port belongs to others."""
+
+
+class BusyPortError(PortError):
+    """Another program reads the serial port."""
+
+
+class LostPortError(PortError):
+    """The serial port went away while it was read: unplugged, or hung up."""
+
+
+class SilentPortError(PortError):
+    """The serial port is open, and no reading comes from it."""
 
 
 class RecordingError(DeadReckoningError):

@@ -122,6 +122,10 @@ class FrontEnd:
         self._silent = False
         return samples + self._average(conversions.part(needed))
 
+    def interrupt(self) -> None:
+        """Forget the conversions that wait: those to come do not follow on."""
+        self._left = self._left.part(0, 0)
+
     def _average(self, conversions: Conversions) -> list[ImuSample]:
         waiting = self._left.then(conversions)
         n = self._per_message

@@ -34,7 +34,7 @@ class PipelineSettings(Settings, prefix='pipeline'):
         'topic',
         'topic (imu/data_raw, or imu/data where gravity.attitude is message) or one of those of '
         'the driver',
-        choices=('topic', 'simulated'),
+        choices=('topic', 'simulated', 'serial'),
     )
     estimators: tuple[str, ...] = parameter(
         ('integrator',),

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dead_reckoning.configuration import DRIVER
 from dead_reckoning.core.chain import Chain
-from dead_reckoning.core.stages import GROUND_TRUTH, RAW
 from dead_reckoning.nodes.chain_node import ChainNode
-from dead_reckoning.nodes.simulated_driver import SimulatedDriver
+from dead_reckoning.nodes.driver import driver_of
 
 
 class AccelerometerDriver(ChainNode):
@@ -14,8 +13,9 @@ class AccelerometerDriver(ChainNode):
 
     def __init__(self) -> None:
         super().__init__('accelerometer_driver', DRIVER)
-        self.connect(Chain([]), inputs=(), outputs=(RAW, GROUND_TRUTH))
-        self.driver = SimulatedDriver(self, self.configuration)
+        driver = driver_of(self.configuration)
+        self.connect(Chain([]), inputs=(), outputs=driver.outputs)
+        self.driver = driver(self, self.configuration)
 
 
 NODE = AccelerometerDriver

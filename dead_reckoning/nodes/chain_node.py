@@ -57,6 +57,7 @@ class ChainNode(Node):
         self._chain = Chain([])
         self._writers: dict[str, Callable[[Any], None]] = {}
         self._figures: list[Callable[[], Mapping[str, object]]] = []
+        self._closings: list[Callable[[], None]] = []
         self._topic_watch = TopicWatch(self, self.common.input_timeout)
         self._watches: list[Callable[[], Iterable[DeadReckoningError]]] = [
             self._topic_watch.findings
@@ -133,6 +134,16 @@ class ChainNode(Node):
     def watch_clock(self) -> None:
         """Let /diagnostics say when the node's clock stands, since nothing goes on then."""
         self._watches.append(ClockWatch(self, self.common.input_timeout).findings)
+
+    def at_end(self, close: Callable[[], None]) -> None:
+        """Call ``close`` when the node ends."""
+        self._closings.append(close)
+
+    def destroy_node(self) -> None:
+        """Close what was opened, then destroy the node."""
+        for close in self._closings:
+            close()
+        super().destroy_node()
 
     def finish(self) -> None:
         """Ask to end: what this node was started for is done."""

@@ -22,8 +22,8 @@ class Diagnostics:
     """Faults by their class name, and the figures a node gives, once a second.
 
     ``figures`` returns what else is worth seeing, ``findings`` what is wrong as long as it lasts,
-    ``awaited`` says what has not come yet.  The level is that of the faults since the last time:
-    error for wrong input, warning for dropped samples.
+    ``awaited`` says what has not come yet.  The level is that of the faults since the last time,
+    and of what lasts: error for wrong input, warning for dropped samples.
     """
 
     def __init__(
@@ -41,6 +41,7 @@ class Diagnostics:
         self._faults: Counter[str] = Counter()
         self._recent: dict[str, DeadReckoningError] = {}
         self._said: dict[str, tuple[float, int]] = {}
+        self._state: DeadReckoningError | None = None
         self._waiting_since: float | None = None
         self.samples = 0
         """Samples taken in so far."""
@@ -51,6 +52,8 @@ class Diagnostics:
         """Count a fault; log it when it is new, or has gone on for `REPEAT`."""
         kind = type(error).__name__
         self._faults[kind] += 1
+        if error.severity == 'none':
+            return
         self._recent[kind] = error
         now = time.monotonic()
         if isinstance(error, NotLevelledError):
@@ -64,12 +67,24 @@ class Diagnostics:
             return
         self._said[kind] = (now, self._faults[kind])
         more = self._faults[kind] - count - 1
-        text = f'{error} ({more} more of these)' if count and more else str(error)
+        self._log(error, f' ({more} more of these)' if count and more else '')
+
+    def state(self, error: DeadReckoningError | None) -> None:
+        """Hold what lasts until the next call, None for all well: counted and logged once.
+
+        The level stays that of the error meanwhile.
+        """
+        if error is not None and str(error) != str(self._state):
+            self._faults[type(error).__name__] += 1
+            self._log(error)
+        self._state = error
+
+    def _log(self, error: DeadReckoningError, more: str = '') -> None:
         log = self._node.get_logger()
         if error.severity == 'warning':
-            log.warning(text)
+            log.warning(f'{error}{more}')
         else:
-            log.error(text)
+            log.error(f'{error}{more}')
 
     def publish(self) -> None:
         """Publish counts, figures and the level since the last time."""
@@ -91,9 +106,10 @@ class Diagnostics:
         self._recent.clear()
 
     def _level(self) -> tuple[bytes, str]:
-        if not self._recent:
+        present = [*self._recent.values(), *([self._state] if self._state else [])]
+        if not present:
             return DiagnosticStatus.OK, 'running' if self.samples else self._waiting()
-        worst = min(self._recent.values(), key=lambda error: error.severity)  # errors first
+        worst = min(present, key=lambda error: error.severity)  # errors first
         warning = worst.severity == 'warning'
         return DiagnosticStatus.WARN if warning else DiagnosticStatus.ERROR, str(worst)
 

@@ -13,16 +13,14 @@ from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.stages import (
     ACCELERATION,
     COMPASS,
-    GROUND_TRUTH,
     IMU,
     ODOMETRY,
     PEDOMETER_OUTPUTS,
-    RAW,
     STATIONARY,
 )
 from dead_reckoning.nodes import gravity_removal, integrator, pedometer
 from dead_reckoning.nodes.chain_node import ChainNode
-from dead_reckoning.nodes.simulated_driver import SimulatedDriver
+from dead_reckoning.nodes.driver import driver_of
 from dead_reckoning.tables import OdometryLog, stop_after
 
 
@@ -35,7 +33,6 @@ class PipelineNode(ChainNode):
     def __init__(self) -> None:
         parts = (PipelineSettings, *DRIVER, GravitySettings, IntegratorSettings, *PEDOMETER)
         super().__init__('pipeline', parts)
-        self._log: OdometryLog | None = None
         settings = self.configuration[PipelineSettings]
         from_topic = settings.source == 'topic'
         pipeline = Pipeline(self.configuration, self._ending(settings))
@@ -50,8 +47,9 @@ class PipelineNode(ChainNode):
             outputs += [ODOMETRY, STATIONARY]
         if pipeline.pedometer is not None:
             outputs += PEDOMETER_OUTPUTS
-        if not from_topic:
-            between += [RAW, GROUND_TRUTH]
+        driver = None if from_topic else driver_of(self.configuration)
+        if driver is not None:
+            between += driver.outputs
         self.connect(
             pipeline.chain,
             inputs=inputs,
@@ -59,8 +57,8 @@ class PipelineNode(ChainNode):
             on_demand=between,
             optional=() if self._needs_compass(pipeline) else (COMPASS,),
         )
-        if not from_topic:
-            self.driver = SimulatedDriver(self, self.configuration)
+        if driver is not None:
+            self.driver = driver(self, self.configuration)
         if pipeline.gravity is not None:
             gravity_removal.serve(self, pipeline.gravity)
         if pipeline.integrator is not None:
@@ -81,17 +79,12 @@ class PipelineNode(ChainNode):
         """Return the stages for `pipeline.log_csv` and `pipeline.duration`, if asked for."""
         stages: list[Stage] = []
         if settings.log_csv:
-            self._log = OdometryLog(Path(settings.log_csv).expanduser())
-            stages.append(self._log.stage())
+            log = OdometryLog(Path(settings.log_csv).expanduser())
+            self.at_end(log.close)
+            stages.append(log.stage())
         if settings.duration > 0.0:
             stages.append(stop_after(settings.duration, self.finish))
         return stages
-
-    def destroy_node(self) -> None:
-        """Close the log, too."""
-        if self._log is not None:
-            self._log.close()
-        super().destroy_node()
 
 
 NODE = PipelineNode

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from dead_reckoning.configuration import Configuration
-from dead_reckoning.core.samples import NANOSECONDS
+from dead_reckoning.core.samples import NANOSECONDS, ImuSample
 from dead_reckoning.core.stages import GROUND_TRUTH, RAW
 from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.driver import Driver
 from dead_reckoning.sources.driver import front_end, simulated_sensor
 from dead_reckoning.sources.driver_settings import DriverSettings
 from dead_reckoning.sources.simulated import SimulatedAccelerometer
@@ -16,24 +15,22 @@ CATCH_UP = 1.0
 """Longest stretch [s] that is made up for at once when the clock leaps."""
 
 
-class SimulatedDriver:
+class SimulatedDriver(Driver):
     """Feed a node with the samples of a simulated sensor, and with the truth behind each.
 
     Stamps are exact: start plus conversion number over rate; a timer that comes late only delivers
     late.  Under use_sim_time it waits for a clock, and starts over when the clock goes back.
     """
 
+    outputs = (RAW, GROUND_TRUTH)
+
     def __init__(self, node: ChainNode, configuration: Configuration) -> None:
-        self._node = node
-        self._configuration = configuration
+        super().__init__(node, configuration)
         self._settings = configuration[DriverSettings]
         self._source: SimulatedAccelerometer | None = None
         self._last_ns = 0
-        self.front_end = front_end(self._configuration)
         period = self._settings.samples_per_message / self._settings.sample_rate
         node.create_timer(max(period, 0.001), self._tick)
-        node.offer('calibrate', lambda: self.front_end.calibrate())
-        node.show(self._figures)
         node.watch_clock()
 
     def _tick(self) -> None:
@@ -41,7 +38,7 @@ class SimulatedDriver:
         if now_ns == 0:
             return  # use_sim_time, and no clock yet
         if self._source is None or now_ns < self._last_ns - NANOSECONDS:
-            listeners = sum(map(self._node.count_subscribers_of, (RAW, GROUND_TRUTH)))
+            listeners = sum(map(self._node.count_subscribers_of, self.outputs))
             if listeners < self._settings.wait_for_subscribers:
                 return
             if self._source is not None:
@@ -52,18 +49,13 @@ class SimulatedDriver:
         limit = max(per_message, int(CATCH_UP * self._settings.sample_rate))
         waiting = min(self._source.available(now_ns), limit)
         if waiting >= per_message:
-            self._deliver(self._source, waiting - waiting % per_message)
+            self.deliver(self._source.read(waiting - waiting % per_message))
 
-    def _deliver(self, source: SimulatedAccelerometer, count: int) -> None:
-        for sample in self.front_end.add(source.read(count)):
-            self._node.feed(RAW, sample)
-            self._node.feed(GROUND_TRUTH, source.truth(sample.stamp_ns))
-        finding, self.front_end.finding = self.front_end.finding, None
-        if finding is not None:
-            self._node.diagnostics.fault(finding)
+    def feed(self, sample: ImuSample) -> None:
+        """Feed one sample, and the truth of the same stamp."""
+        super().feed(sample)
+        if self._source is not None:
+            self._node.feed(GROUND_TRUTH, self._source.truth(sample.stamp_ns))
 
-    def _figures(self) -> Mapping[str, object]:
-        return {
-            'clipped_conversions': self.front_end.clipped,
-            'saturated_rates': self.front_end.saturated,
-        }
+
+DRIVER = SimulatedDriver

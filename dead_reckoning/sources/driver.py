@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dead_reckoning.core.common import FrameSettings
+from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.front_end import FrontEnd
 from dead_reckoning.core.parameters import Parts
 from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
+from dead_reckoning.sources.serial import protocols
+from dead_reckoning.sources.serial.receiver import Receiver
+from dead_reckoning.sources.serial.settings import SerialSettings
 from dead_reckoning.sources.simulated import SimulatedAccelerometer, SimulatedSettings
 from dead_reckoning.sources.simulated_gyroscope import GyroSettings, SimulatedGyroscope
 
@@ -46,3 +50,19 @@ def simulated_sensor(parts: Parts, start_ns: int) -> SimulatedAccelerometer:
         start_ns,
         gyroscope,
     )
+
+
+def serial_receiver(parts: Parts) -> Receiver:
+    """Return what makes conversions of the bytes of a board.
+
+    Raises `SettingsError` for volts of a sensor that has none.
+    """
+    driver, port = parts[DriverSettings], parts[SerialSettings]
+    decoder_class = protocols.decoder_class(port.protocol)
+    decoder: protocols.Decoder = decoder_class(parts[decoder_class.Settings])
+    if decoder.unit == 'volts' and driver.part.digital:
+        raise SettingsError(
+            f'driver.serial.{port.protocol}.unit: volts are not what driver.sensor '
+            f'{driver.sensor} gives, which is digital; set one of the two'
+        )
+    return Receiver(decoder, driver.model(), port)

@@ -15,7 +15,9 @@ from dead_reckoning.sources import motions
 class DriverSettings(Settings, prefix='driver'):
     """A sensor, its supply and its ADC, and how conversions become messages."""
 
-    source: str = parameter('simulated', 'Where samples come from', choices=('simulated',))
+    source: str = parameter(
+        'simulated', 'Where samples come from', choices=('simulated', 'serial')
+    )
     motion: str = parameter('slide', 'What the simulated sensor does', choices=motions.names())
     sensor: str = parameter('mma7260qt', 'Which sensor it is', choices=sensors.names())
     range_g: float = parameter(
@@ -62,11 +64,20 @@ class DriverSettings(Settings, prefix='driver'):
         unit='V, or counts of a digital sensor', minimum=0.0, maximum=1000.0,
     )  # fmt: skip
     sample_rate: float = parameter(
-        6400.0, 'Conversions per second of each axis', unit='Hz', minimum=1.0, maximum=100_000.0
+        6400.0,
+        'Conversions per second of each axis of the simulated sensor',
+        unit='Hz',
+        minimum=1.0,
+        maximum=100_000.0,
     )
     samples_per_message: int = parameter(
-        64, 'Conversions averaged into one message (AN3397: 64)', minimum=1, maximum=65_536
-    )
+        Derived(
+            lambda driver: 64 if driver.source == 'simulated' else 1,
+            '64, as in AN3397, for the simulated source, else 1',
+        ),
+        'Conversions averaged into one message',
+        minimum=1, maximum=65_536,
+    )  # fmt: skip
     calibration_samples: int = parameter(
         1024, 'Conversions averaged to find the zero-g offsets (AN3397: 1024)',
         minimum=16, maximum=1_000_000,

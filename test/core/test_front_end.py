@@ -100,6 +100,16 @@ def test_one_conversion_is_its_own_sample():
     assert [sample.stamp_ns for sample in samples] == whole.stamps_ns.tolist()
 
 
+def test_conversions_before_and_after_an_interruption_are_not_averaged_together():
+    end, whole = front_end(samples_per_message=4), conversions(11)
+    assert end.add(whole.part(0, 3)) == []
+    end.interrupt()
+    samples = end.add(whole.part(3))
+    alone = front_end(samples_per_message=4).add(whole.part(3))
+    assert len(samples) == 2
+    assert plain(samples) == plain(alone)
+
+
 def test_covariance_is_that_of_the_mean():
     (sample,) = front_end().add(conversions(64))
     x, y, z = MODEL.variance(64)

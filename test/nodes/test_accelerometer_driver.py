@@ -6,8 +6,12 @@ from nav_msgs.msg import Odometry
 from ros_harness import NodeProcess, figures, stamp_ns
 from sensor_msgs.msg import Imu
 
+from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.rest import GRAVITY
+from dead_reckoning.core.stages import RAW
+from dead_reckoning.nodes.driver import driver_of
 from dead_reckoning.sources import motions
+from dead_reckoning.sources.driver_settings import DriverSettings
 
 QUICK = {'driver.calibrate_on_start': False, 'driver.simulated.offset': [0.0, 0.0, 0.0]}
 
@@ -102,6 +106,14 @@ def test_every_motion_runs(ros):
         truth.wait(10)
         moved = np.array([vector(message.pose.pose.position) for message in truth.messages])
         assert np.ptp(moved, axis=0).any() == (name != 'rest'), name
+
+
+def test_every_source_has_a_driver_that_publishes_samples():
+    (source,) = (p for p in DriverSettings.parameters() if p.name == 'source')
+    for name in source.choices:
+        driver = driver_of(Configuration({'driver.source': name}))
+        assert driver.__name__ == f'{name.title()}Driver'
+        assert RAW in driver.outputs
 
 
 def test_range_that_the_sensor_has_not_stops_the_driver_with_those_it_has(domain_id, tmp_path):

@@ -1,0 +1,235 @@
+"""A real port (a pty) that is missing, taken, forbidden, unplugged and back."""
+
+import fcntl
+import os
+import socket
+import subprocess
+import sys
+import threading
+import time
+from contextlib import contextmanager
+
+import pytest
+
+from dead_reckoning.core.errors import (
+    BusyPortError,
+    LostPortError,
+    MissingPortError,
+    PortError,
+    PortPermissionError,
+)
+from dead_reckoning.sources.serial.port import Opened, Received, SerialPort
+from dead_reckoning.sources.serial.settings import SerialSettings
+
+DEADLINE = 20.0
+NOBODY = 65534
+
+
+class Events:
+    """What a port has reported, in its order."""
+
+    def __init__(self, path):
+        self.all = []
+        self.port = SerialPort(SerialSettings(port=str(path)), time.time_ns)
+
+    def until(self, condition):
+        """Wait until ``condition`` holds for the events, and return what it gives."""
+        deadline = time.monotonic() + DEADLINE
+        while not (found := condition()):
+            assert time.monotonic() < deadline, self.all
+            time.sleep(0.005)
+            self.all += self.port.poll()
+        return found
+
+    def next(self, kind):
+        """Wait for an event of a kind, forget those before it, and return it."""
+        found = self.until(lambda: next((e for e in self.all if isinstance(e, kind)), None))
+        self.all = self.all[self.all.index(found) + 1 :]
+        return found
+
+    @property
+    def data(self):
+        return b''.join(e.data for e in self.all if isinstance(e, Received))
+
+
+@pytest.fixture
+def opened():
+    """Open ports, and see to it that their threads end in time."""
+    ports = []
+
+    def open_port(path):
+        ports.append(Events(path))
+        return ports[-1]
+
+    yield open_port
+    for events in ports:
+        begun = time.monotonic()
+        events.port.close()
+        assert time.monotonic() - begun < 1.0
+    assert not [t for t in threading.enumerate() if t.name == 'serial port']
+
+
+@contextmanager
+def without_rights():
+    """Be nobody for a while, if one is root: root may open everything."""
+    if os.geteuid():
+        yield
+        return
+    os.seteuid(NOBODY)
+    try:
+        yield
+    finally:
+        os.seteuid(0)
+
+
+def test_bytes_come_as_they_were_sent_with_the_time_of_their_arrival(board, opened):
+    board.plug()
+    events = opened(board.port)
+    events.next(Opened)
+    begun = time.time_ns()
+    sent = bytes(range(256)) * 20
+    board.send(sent)
+    events.until(lambda: len(events.data) >= len(sent))
+    assert events.data == sent
+    arrivals = [e.arrival_ns for e in events.all]
+    assert begun <= arrivals[0] <= arrivals[-1] <= time.time_ns()
+    assert arrivals == sorted(arrivals)
+
+
+def test_bytes_from_before_the_opening_are_not_read(board, opened):
+    board.plug()
+    board.send(b'old')
+    events = opened(board.port)
+    events.next(Opened)
+    board.send(b'new')
+    events.until(lambda: len(events.data) >= 3)
+    assert events.data == b'new'
+
+
+def test_a_missing_port_is_named_with_what_to_do_and_read_once_it_is_there(board, opened):
+    events = opened(board.port)
+    error = events.next(PortError)
+    assert type(error) is MissingPortError
+    assert str(board.port) in str(error)
+    assert 'driver.serial.port' in str(error)
+    board.plug()
+    events.next(Opened)
+
+
+def test_an_unplugged_board_is_lost_until_it_is_back_as_another_device(board, opened):
+    board.plug()
+    events = opened(board.port)
+    events.next(Opened)
+    board.send(b'1,2')
+    events.until(lambda: events.data == b'1,2')
+    board.unplug()
+    lost = events.next(PortError)
+    assert type(lost) is LostPortError
+    assert str(board.port) in str(lost)
+    again = events.next(PortError)
+    assert str(again) == str(lost)  # still lost, not a second kind of trouble
+    board.plug()
+    events.next(Opened)
+    board.send(b'4,5')
+    events.until(lambda: events.data == b'4,5')
+
+
+def test_a_port_that_another_program_has_is_left_to_it_and_read_when_it_is_free(board, opened):
+    board.plug()
+    with board.port.open('rb', buffering=0) as other:
+        fcntl.flock(other, fcntl.LOCK_EX)
+        events = opened(board.port)
+        error = events.next(PortError)
+        assert type(error) is BusyPortError
+        assert f'fuser -v {board.port}' in str(error)
+    events.next(Opened)
+
+
+def test_no_second_owner_of_this_package(board, opened):
+    board.plug()
+    opened(board.port).next(Opened)
+    assert type(opened(board.port).next(PortError)) is BusyPortError
+
+
+def test_a_port_that_is_forbidden_says_how_to_be_allowed(board, opened):
+    board.plug()
+    path = board.port.resolve()
+    path.chmod(0)
+    with without_rights():
+        events = opened(path)
+        error = events.next(PortError)
+    assert type(error) is PortPermissionError
+    assert str(path) in str(error)
+    assert 'dialout' in str(error)
+    path.chmod(0o600)
+    events.next(Opened)
+
+
+def test_what_is_no_serial_port_is_refused_with_the_reason(tmp_path, opened):
+    path = tmp_path / 'file'
+    path.write_text('1,2,3\n')
+    error = opened(path).next(PortError)
+    assert type(error) is PortError
+    assert str(path) in str(error)
+    assert 'driver.serial.port' in str(error)
+
+
+@pytest.mark.parametrize('path', ['/dev/null', '/', 'socket://nonsense', 'nonsense://'])
+def test_strange_ports_end_in_an_error_and_not_in_the_end_of_the_thread(path, opened):
+    events = opened(path)
+    events.next(PortError)
+    events.next(PortError)
+
+
+def test_a_socket_of_a_serial_server_is_read_too(opened):
+    with socket.create_server(('127.0.0.1', 0)) as server:
+        events = opened(f'socket://127.0.0.1:{server.getsockname()[1]}')
+        connection, _ = server.accept()
+        with connection:
+            events.next(Opened)
+            connection.sendall(b'1,2,3\n')
+            events.until(lambda: events.data == b'1,2,3\n')
+        assert type(events.next(PortError)) is LostPortError
+
+
+def test_nothing_is_lost_while_nobody_takes_it_and_the_thread_still_ends(board, opened):
+    """More chunks than may wait: the thread stops to read, the system keeps the rest."""
+    board.plug()
+    events = opened(board.port)
+    events.next(Opened)
+    sent = b'%06d\n' * 1500 % tuple(range(1500))
+    for start in range(0, len(sent), 7):
+        board.send(sent[start : start + 7])
+        time.sleep(0.0003)
+    events.until(lambda: len(events.data) >= len(sent))
+    assert events.data == sent
+
+
+@pytest.mark.parametrize('plugged', [False, True])
+def test_waiting_costs_next_to_nothing(board, opened, plugged):
+    if plugged:
+        board.plug()
+    events = opened(board.port)
+    used, begun = time.process_time(), time.monotonic()
+    while time.monotonic() < begun + 2.0:
+        time.sleep(0.1)
+        events.all += events.port.poll()
+    assert time.process_time() - used < 0.1 * (time.monotonic() - begun)
+    assert 1 <= len(events.all) <= (1 if plugged else 4)
+
+
+def test_without_pyserial_all_but_the_port_works_and_the_port_says_what_to_install():
+    program = """
+import sys
+sys.modules['serial'] = None  # what Python takes for a package that is not there
+from dead_reckoning.configuration import Configuration
+from dead_reckoning.core.errors import DependencyError
+from dead_reckoning.sources.driver import serial_receiver
+serial_receiver(Configuration())
+try:
+    import dead_reckoning.sources.serial.port
+except DependencyError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True)
+    assert 'python3-serial' in done.stdout, done.stderr
