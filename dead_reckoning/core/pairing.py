@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Generic, TypeVar
 
 from dead_reckoning.core.errors import UnpairedError
-from dead_reckoning.core.samples import NANOSECONDS
+from dead_reckoning.core.stamps import RESTART_NS
 
 Left = TypeVar('Left')
 Right = TypeVar('Right')
@@ -16,12 +16,10 @@ class StampPairs(Generic[Left, Right]):
 
     Each stream keeps its own order, so once a pair is complete, what waits with an earlier arrival
     on either side waits in vain: it is let go, and the next `collect_lost` reports it.  So is
-    what waits for more than ``hold`` [s], by the stamps of its own stream, or when more than
-    ``limit`` wait on a side.
+    what the other stream has passed without its stamp.  At most ``limit`` samples wait on a side.
     """
 
-    def __init__(self, hold: float = 2.0, limit: int = 2000) -> None:
-        self._hold_ns = round(hold * NANOSECONDS)
+    def __init__(self, limit: int = 2000) -> None:
         self._limit = limit
         self._left: dict[int, Left] = {}
         self._right: dict[int, Right] = {}
@@ -32,6 +30,7 @@ class StampPairs(Generic[Left, Right]):
         right = self._right.get(stamp_ns)
         if right is None:
             self._wait(self._left, stamp_ns, sample)
+            self._pass(self._right, stamp_ns)
             return None
         self._let_go(self._left)
         self._let_go(self._right, stamp_ns)
@@ -42,6 +41,7 @@ class StampPairs(Generic[Left, Right]):
         left = self._left.get(stamp_ns)
         if left is None:
             self._wait(self._right, stamp_ns, sample)
+            self._pass(self._left, stamp_ns)
             return None
         self._let_go(self._right)
         self._let_go(self._left, stamp_ns)
@@ -64,11 +64,16 @@ class StampPairs(Generic[Left, Right]):
         self, side: dict[int, Left] | dict[int, Right], stamp_ns: int, sample: object
     ) -> None:
         side[stamp_ns] = sample  # type: ignore[assignment]
-        oldest = next(iter(side))
-        while stamp_ns - oldest > self._hold_ns or len(side) > self._limit:
+        if len(side) > self._limit:
+            oldest = next(iter(side))
             del side[oldest]
             self._lost.append(oldest)
-            oldest = next(iter(side))
+
+    def _pass(self, side: dict[int, Left] | dict[int, Right], stamp_ns: int) -> None:
+        """Let go what is older than the other stream, but not what begins after a restart."""
+        while side and 0 < stamp_ns - (oldest := next(iter(side))) < RESTART_NS:
+            del side[oldest]
+            self._lost.append(oldest)
 
     def _let_go(
         self, side: dict[int, Left] | dict[int, Right], paired_ns: int | None = None
