@@ -106,6 +106,8 @@ class Integrator:
                 'imu/data from gravity_removal, or from a driver that knows its attitude'
             )
         normalized(imu.orientation)
+        if not imu.specific_force_covariance[0] < 0.0:  # else another device measured the force
+            require_vector(imu.specific_force, 'specific force')
         require_covariances(imu)
         require_rate(imu)
 

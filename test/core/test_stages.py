@@ -195,6 +195,7 @@ def test_refused_acceleration_is_a_fault_and_the_next_one_passes():
     [
         (imu(1), MissingAttitudeError),
         (imu(1, orientation=(0.0, 0.0, float('nan'), 1.0)), NotFiniteError),
+        (imu(1, (0.0, float('inf'), 0.0), IDENTITY_QUATERNION), NotFiniteError),
         (oriented(0), RepeatedStampError),
         (oriented(-1), ZeroStampError),
     ],
