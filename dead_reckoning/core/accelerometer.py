@@ -85,8 +85,9 @@ class Accelerometer:
     def possible(self, counts: Array) -> NDArray[np.bool_]:
         """Say which rows of counts, shape (n, 3), the converter can give, to within a count."""
         low, high = self.limits
-        inside: NDArray[np.bool_] = ((counts >= low - 1.0) & (counts <= high + 1.0)).all(axis=1)
-        return inside
+        within = (counts >= low - 1.0) & (counts <= high + 1.0)
+        rows: NDArray[np.bool_] = np.logical_and.reduce(within, axis=1)
+        return rows
 
     def force(self, counts: Array, zero_g: Array) -> Array:
         """Return the specific force, shape (n, 3) [m/s²], frame s, of counts, shape (n, 3).
