@@ -99,9 +99,7 @@ def test_nothing_but_faults_at_500_hz_is_calm(ros, kind, executor):
     publishers.append(ros.publisher('imu/data', Imu, len(nodes)))
     require_calm(ros, nodes, send)
     for node in nodes:
-        status = diagnostics.until(
-            node.name, lambda s: int(figures(s)['samples']) > 50, 'samples'
-        )
+        status = diagnostics.until(node.name, lambda s: int(figures(s)['samples']) > 50, 'samples')
         assert status is not None
 
 
