@@ -36,7 +36,8 @@ def account(report: Report, recorded: int, live: Live) -> None:
         f'taken in by {GRAVITY}': live.published - live.taken[GRAVITY],
         'linear accelerations received': live.taken[GRAVITY] - dropped[GRAVITY] - accelerations,
         f'taken in by {INTEGRATOR}': live.published + accelerations - live.taken[INTEGRATOR],
-        'odometries received': accelerations - dropped[INTEGRATOR] - states,
+        # The integrator refuses each Imu that gravity removal refuses, and perhaps others.
+        'odometries received': live.published - dropped[INTEGRATOR] - states,
     }
     rows = [
         ('in the bag', str(recorded)),

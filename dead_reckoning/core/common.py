@@ -47,6 +47,14 @@ class CommonSettings(Settings, prefix='common'):
         minimum=0.0,
         maximum=100.0,
     )
+    input_timeout: float = parameter(
+        3.0,
+        'How long an input that brought messages may bring none, or /clock stand, before that is '
+        'said on /diagnostics; by the clock on the wall',
+        unit='s',
+        minimum=0.1,
+        maximum=3600.0,
+    )
     service_timeout: float = parameter(
         20.0,
         'How long a service that needs samples waits for them before it answers that they lack',

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite
-
+from dead_reckoning.core.checks import LARGEST_VARIANCE
 from dead_reckoning.core.errors import MissingAttitudeError, NotFiniteError
 from dead_reckoning.core.rotation import normalized, yaw_from_quaternion
 from dead_reckoning.core.samples import NANOSECONDS, UNKNOWN, ImuSample
@@ -45,7 +44,7 @@ class CompassYaw:
         covariance = imu.orientation_covariance
         yaw = yaw_from_quaternion(normalized(imu.orientation))
         variance = self._fallback if covariance == UNKNOWN else covariance[8]
-        if not isfinite(variance) or variance < 0.0:
+        if not 0.0 <= variance <= LARGEST_VARIANCE:  # NaN too
             raise NotFiniteError(f'the variance of the yaw is {variance}: check the compass')
         step_ns = self._timeline.advance(imu.stamp_ns)
         self.interval = None if step_ns is None else step_ns / NANOSECONDS

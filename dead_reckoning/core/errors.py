@@ -29,7 +29,7 @@ class SampleError(DeadReckoningError):
 
 
 class NotFiniteError(SampleError):
-    """A sample holds NaN or an infinity."""
+    """A sample holds NaN, an infinity, or a number or covariance that no measurement has."""
 
 
 class ZeroStampError(SampleError):
@@ -96,6 +96,28 @@ class GapError(DeadReckoningError):
 
 class StaleCompassError(DeadReckoningError):
     """The compass fell silent: the yaw is no longer what it says."""
+
+    severity = 'warning'
+
+
+class SilentInputError(DeadReckoningError):
+    """A topic fell silent, or never brought anything while its partner does."""
+
+    severity = 'warning'
+
+
+class SeveralPublishersError(DeadReckoningError):
+    """More than one node publishes what is taken for the samples of one sensor."""
+
+    severity = 'warning'
+
+
+class MismatchError(DeadReckoningError):
+    """Type or quality of service of a topic differ, so that nothing passes."""
+
+
+class ClockError(DeadReckoningError):
+    """The node goes by /clock, and /clock stands or never came."""
 
     severity = 'warning'
 

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from concurrent.futures import Future
 from dataclasses import dataclass
-from math import isfinite
 
 from dead_reckoning.core.attitude import attitude_source
-from dead_reckoning.core.checks import require_finite
+from dead_reckoning.core.checks import require_covariances, require_force, require_rate
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.errors import (
     DeadReckoningError,
-    MissingAccelerationError,
+    GapError,
     MountingError,
     NotAtRestError,
-    NotFiniteError,
     NotLevelledError,
     StaleCompassError,
     SupersededError,
@@ -33,6 +31,7 @@ from dead_reckoning.core.rotation import (
 from dead_reckoning.core.samples import (
     IDENTITY,
     IDENTITY_QUATERNION,
+    NANOSECONDS,
     UNKNOWN,
     ImuSample,
     LinearAcceleration,
@@ -129,14 +128,9 @@ class GravityRemoval:
         stamp, not levelled yet), and then the attitude is what it was.
         """
         force_s = imu.specific_force
-        if not isfinite(force_s[0] + force_s[1] + force_s[2]):
-            raise NotFiniteError(f'the specific force is {force_s}: check the driver')
-        require_finite(imu)
-        if imu.specific_force_covariance[0] < 0.0:
-            raise MissingAccelerationError(
-                'linear_acceleration_covariance[0] is -1, so this Imu measures no acceleration: '
-                'subscribe to the topic of an accelerometer'
-            )
+        require_force(imu)
+        require_covariances(imu)
+        require_rate(imu)
         self._attitude.require(imu)
         restarts = self._timeline.restarts
         step_ns = self._timeline.advance(imu.stamp_ns)
@@ -144,6 +138,7 @@ class GravityRemoval:
             self._start_over()
             self._levelling.fail(NotAtRestError('the stamps went back meanwhile: ask again'))
         self._attitude.advance(imu, step_ns)
+        self._watch_gap(step_ns)
         if self._search is not None:
             self._look_for_rest(self._search, imu)
         attitude = self._attitude.attitude
@@ -180,6 +175,17 @@ class GravityRemoval:
                 tilt,
             )
         return Levelled(imu, acceleration)
+
+    def _watch_gap(self, step_ns: int | None) -> None:
+        if step_ns is None or self.settings.attitude != 'estimate':
+            return
+        if step_ns > self.settings.max_gap * NANOSECONDS and self._attitude.attitude is not None:
+            self.findings.append(
+                GapError(
+                    f'no samples for {step_ns / NANOSECONDS:.3g} s: the attitude is held, its '
+                    'uncertainty grows; if the sensor is that slow, raise gravity.max_gap'
+                )
+            )
 
     def _watch_compass(self, stamp_ns: int) -> None:
         stale = self._compass.stale(stamp_ns)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from dataclasses import dataclass
 
+from dead_reckoning.core.checks import LARGEST_VARIANCE
 from dead_reckoning.core.rotation import normalized
 from dead_reckoning.core.samples import NANOSECONDS, UNKNOWN, ImuSample
 from dead_reckoning.core.stamps import RESTART_NS
@@ -71,7 +72,7 @@ class HeadingHistory:
             return
         covariance = imu.orientation_covariance
         variance = self._variance if covariance == UNKNOWN else covariance[8]
-        if not variance >= 0.0:  # NaN too
+        if not 0.0 <= variance <= LARGEST_VARIANCE:  # NaN too
             variance = self._variance
         stamps.insert(at, stamp_ns)
         self._headings.insert(at, Heading(stamp_ns, east / level, north / level, variance))

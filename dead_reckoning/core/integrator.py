@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from concurrent.futures import Future
-from math import isfinite
 
-from dead_reckoning.core.checks import require_finite
+from dead_reckoning.core.checks import require_covariances, require_rate, require_vector
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import (
     DeadReckoningError,
     MissingAttitudeError,
     NotAtRestError,
-    NotFiniteError,
     SupersededError,
 )
 from dead_reckoning.core.heading_wander import HeadingWander
@@ -39,6 +37,9 @@ from dead_reckoning.core.samples import (
 )
 from dead_reckoning.core.stamps import Timeline
 from dead_reckoning.core.work import Work
+
+LONGEST_GAP = 3600.0
+"""A gap [s] after which no more uncertainty comes: figures that large drown all others."""
 
 
 class Integrator:
@@ -102,6 +103,20 @@ class Integrator:
         )
         return self._calibration.begin()
 
+    @staticmethod
+    def require(imu: ImuSample) -> None:
+        """Raise `SampleError` where an Imu is of no use, whatever acceleration it comes with."""
+        if imu.orientation is None:
+            raise MissingAttitudeError(
+                'the Imu with the stamp of this acceleration carries no orientation: take '
+                'imu/data from gravity_removal, or from a driver that knows its attitude'
+            )
+        normalized(imu.orientation)
+        if not imu.specific_force_covariance[0] < 0.0:  # else another device measured the force
+            require_vector(imu.specific_force, 'specific force')
+        require_covariances(imu)
+        require_rate(imu)
+
     def update(
         self, acceleration: LinearAcceleration, imu: ImuSample, lever_arm: Vector = ZERO
     ) -> NavigationState:
@@ -113,14 +128,9 @@ class Integrator:
         Raises `SampleError` (not finite, no attitude, stale stamp), and then nothing changed.
         """
         accel_w = acceleration.acceleration
-        if not isfinite(accel_w[0] + accel_w[1] + accel_w[2]):
-            raise NotFiniteError(f'the linear acceleration is {accel_w}: check its source')
-        if imu.orientation is None:
-            raise MissingAttitudeError(
-                'the Imu with the stamp of this acceleration carries no orientation: take '
-                'imu/data from gravity_removal, or from a driver that knows its attitude'
-            )
-        require_finite(imu)
+        require_vector(accel_w, 'linear acceleration')
+        self.require(imu)
+        assert imu.orientation is not None
         orientation = normalized(imu.orientation)
         restarts = self._timeline.restarts
         step_ns = self._timeline.advance(imu.stamp_ns)
@@ -138,7 +148,7 @@ class Integrator:
             self._start_w = rotate(rotation, lever_arm)
         elif gap:
             self.gaps += 1
-            self._integration.gap(dt, reading)
+            self._integration.gap(min(dt, LONGEST_GAP), reading)
         elif self._stationary and reading.kept_s == ZERO:
             self._integration.hold(dt, reading)
         else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Generic, TypeVar
 
 from dead_reckoning.core.errors import UnpairedError
+from dead_reckoning.core.stamps import RESTART_NS
 
 Left = TypeVar('Left')
 Right = TypeVar('Right')
@@ -14,8 +15,8 @@ class StampPairs(Generic[Left, Right]):
     """Pair samples of two streams by equal stamps, whichever comes first.
 
     Each stream keeps its own order, so once a pair is complete, what waits with an earlier arrival
-    on either side waits in vain: it is let go, and the next `collect_lost` reports it.  At most
-    ``limit`` samples wait on a side.
+    on either side waits in vain: it is let go, and the next `collect_lost` reports it.  So is
+    what the other stream has passed without its stamp.  At most ``limit`` samples wait on a side.
     """
 
     def __init__(self, limit: int = 2000) -> None:
@@ -29,6 +30,7 @@ class StampPairs(Generic[Left, Right]):
         right = self._right.get(stamp_ns)
         if right is None:
             self._wait(self._left, stamp_ns, sample)
+            self._pass(self._right, stamp_ns)
             return None
         self._let_go(self._left)
         self._let_go(self._right, stamp_ns)
@@ -39,6 +41,7 @@ class StampPairs(Generic[Left, Right]):
         left = self._left.get(stamp_ns)
         if left is None:
             self._wait(self._right, stamp_ns, sample)
+            self._pass(self._left, stamp_ns)
             return None
         self._let_go(self._right)
         self._let_go(self._left, stamp_ns)
@@ -63,6 +66,12 @@ class StampPairs(Generic[Left, Right]):
         side[stamp_ns] = sample  # type: ignore[assignment]
         if len(side) > self._limit:
             oldest = next(iter(side))
+            del side[oldest]
+            self._lost.append(oldest)
+
+    def _pass(self, side: dict[int, Left] | dict[int, Right], stamp_ns: int) -> None:
+        """Let go what is older than the other stream, but not what begins after a restart."""
+        while side and 0 < stamp_ns - (oldest := next(iter(side))) < RESTART_NS:
             del side[oldest]
             self._lost.append(oldest)
 

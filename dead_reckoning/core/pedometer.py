@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite, sqrt
+from math import sqrt
 
 from dead_reckoning.core import step_detectors, step_lengths
-from dead_reckoning.core.errors import (
-    MissingAccelerationError,
-    NotFiniteError,
-    SettingsError,
-    StepCalibrationError,
-)
+from dead_reckoning.core.checks import require_force
+from dead_reckoning.core.errors import SettingsError, StepCalibrationError
 from dead_reckoning.core.parameters import Derived, Settings, parameter
 from dead_reckoning.core.reorder import StampOrder
 from dead_reckoning.core.resampler import Resampler
@@ -309,14 +305,7 @@ class Pedometer:
         and then nothing changed.
         """
         force = imu.specific_force
-        x, y, z = force
-        if not isfinite(x * x + y * y + z * z):
-            raise NotFiniteError(f'the specific force is {force}: check the driver')
-        if imu.specific_force_covariance[0] < 0.0:
-            raise MissingAccelerationError(
-                'linear_acceleration_covariance[0] is -1, so this Imu measures no acceleration: '
-                'subscribe to the topic of an accelerometer'
-            )
+        require_force(imu)
         restarts = self._order.restarts
         ordered = self._order.add(imu.stamp_ns, force)
         states: list[PedometerState] = []

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dead_reckoning.core.chain import FAULT, NOTICE, Output, Stage
 from dead_reckoning.core.errors import GapError, RestartError, SampleError
-from dead_reckoning.core.gravity import GravityRemoval
+from dead_reckoning.core.gravity import GravityRemoval, Levelled
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.mounting import Mountings, unmounted
 from dead_reckoning.core.pairing import StampPairs
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, PedometerState
 from dead_reckoning.core.samples import ImuSample, LinearAcceleration
+from dead_reckoning.core.stamps import Timeline
 from dead_reckoning.core.step_odometry import StepOdometry
 
 RAW = 'imu/data_raw'
@@ -28,6 +29,9 @@ TOTALS = 'pedometer/totals'
 """No topic: put anything into a chain under this name after totals changed by other than samples,
 and what is new of them comes out."""
 
+LEVELLED = 'levelled'
+"""No topic: what gravity removal made of a sample, acceleration and attitude together."""
+
 PEDOMETER_OUTPUTS = (STEPS, DISTANCE, STEP_LENGTH, CADENCE, STEP_ODOMETRY)
 
 
@@ -45,8 +49,9 @@ def gravity_inputs(attitude: str) -> tuple[str, ...]:
 def gravity_stage(removal: GravityRemoval, mountings: Mountings = unmounted) -> Stage:
     """Take an Imu; give the linear acceleration, and the Imu with attitude if it came without.
 
-    Where the attitude does not come with the Imu, a compass is taken too, for the yaw of the body.
-    Inside, the axes are those of the body; topics are in the frame of the sensor.
+    Both together come out as `LEVELLED`, for the integrator in the same chain.  Where the attitude
+    does not come with the Imu, a compass is taken too, for the yaw of the body.  Inside, the axes
+    are those of the body; topics are in the frame of the sensor.
     """
 
     def take(imu: ImuSample) -> list[Output]:
@@ -59,9 +64,12 @@ def gravity_stage(removal: GravityRemoval, mountings: Mountings = unmounted) -> 
         except SampleError as error:
             outputs.append((FAULT, error))
         else:
+            handed = imu
             if made.imu is not turned:
-                outputs.append((IMU, mounting.to_sensor(made.imu)))
+                handed = mounting.to_sensor(made.imu)
+                outputs.append((IMU, handed))
             outputs.append((ACCELERATION, made.acceleration))
+            outputs.append((LEVELLED, Levelled(handed, made.acceleration)))
         if removal.restarts != restarts:
             outputs.append((FAULT, RestartError('the stamps went back: looking for rest anew')))
         if removal.levelled is not levelled:  # the same words may be said anew
@@ -79,26 +87,49 @@ def gravity_stage(removal: GravityRemoval, mountings: Mountings = unmounted) -> 
     return {taken: take} if taken == IMU else {taken: take, COMPASS: turn}
 
 
-def integrator_stage(integrator: Integrator, mountings: Mountings = unmounted) -> Stage:
-    """Take acceleration and attitude of equal stamps; give the body's state, rest on change."""
-    pairs: StampPairs[LinearAcceleration, ImuSample] = StampPairs()
-    said: bool | None = None
+def pairing_stage() -> Stage:
+    """Take acceleration and attitude as two topics; give those of equal stamps as one.
 
-    def integrate(pair: tuple[LinearAcceleration, ImuSample] | None) -> list[Output]:
-        nonlocal said
+    A sample that could be no part of a pair, since gravity removal refuses the like of it, or by
+    its stamp, is a fault of its own and waits for no partner.
+    """
+    pairs: StampPairs[LinearAcceleration, ImuSample] = StampPairs()
+    accelerations, attitudes = Timeline(), Timeline()
+
+    def give(pair: tuple[LinearAcceleration, ImuSample] | None) -> list[Output]:
         outputs: list[Output] = []
         lost = pairs.collect_lost(ACCELERATION, IMU)
         if lost is not None:
             outputs.append((FAULT, lost))
-        if pair is None:
-            return outputs
-        acceleration, imu = pair
+        if pair is not None:
+            acceleration, imu = pair
+            outputs.append((LEVELLED, Levelled(imu, acceleration)))
+        return outputs
+
+    def take_acceleration(sample: LinearAcceleration) -> list[Output]:
+        accelerations.advance(sample.stamp_ns)
+        return give(pairs.left(sample.stamp_ns, sample))
+
+    def take_attitude(imu: ImuSample) -> list[Output]:
+        Integrator.require(imu)
+        attitudes.advance(imu.stamp_ns)
+        return give(pairs.right(imu.stamp_ns, imu))
+
+    return {ACCELERATION: take_acceleration, IMU: take_attitude}
+
+
+def integrator_stage(integrator: Integrator, mountings: Mountings = unmounted) -> Stage:
+    """Take what gravity removal made; give the state of the body, and rest on change."""
+    said: bool | None = None
+
+    def integrate(levelled: Levelled) -> list[Output]:
+        nonlocal said
+        outputs: list[Output] = []
         restarts, gaps = integrator.restarts, integrator.gaps
-        try:
-            mounting = mountings(imu.frame_id)
-            state = integrator.update(acceleration, mounting.to_body(imu), mounting.translation)
-        except SampleError as error:
-            return [*outputs, (FAULT, error)]
+        mounting = mountings(levelled.imu.frame_id)
+        state = integrator.update(
+            levelled.acceleration, mounting.to_body(levelled.imu), mounting.translation
+        )
         if integrator.restarts != restarts:
             outputs.append((FAULT, RestartError('the stamps went back: starting at the origin')))
         if integrator.gaps != gaps:
@@ -109,10 +140,7 @@ def integrator_stage(integrator: Integrator, mountings: Mountings = unmounted) -
             outputs.append((STATIONARY, said))
         return outputs
 
-    return {
-        ACCELERATION: lambda sample: integrate(pairs.left(sample.stamp_ns, sample)),
-        IMU: lambda imu: integrate(pairs.right(imu.stamp_ns, imu)),
-    }
+    return {LEVELLED: integrate}
 
 
 def pedometer_inputs(settings: PedometerSettings) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import atan2, cos, sin
 
 from dead_reckoning.core.common import CommonSettings
+from dead_reckoning.core.errors import MissingAttitudeError
 from dead_reckoning.core.headings import Heading, HeadingHistory
 from dead_reckoning.core.pedometer import PedometerSettings, PedometerState
 from dead_reckoning.core.rotation import quaternion_from_euler
@@ -50,12 +51,25 @@ class StepOdometry:
         self.settings = settings
 
     def take_compass(self, imu: ImuSample) -> None:
-        """Take a sample of the compass; raises `NotFiniteError`."""
+        """Take a sample of the compass; raises `MissingAttitudeError` or `NotFiniteError`."""
         if self.settings.heading in ('compass', 'any'):
+            if imu.orientation is None:
+                raise MissingAttitudeError(
+                    'compass/data carries no orientation: its yaw is all that is taken from it'
+                )
             self._compass.add(imu)
 
     def take_orientation(self, imu: ImuSample) -> None:
-        """Take a sample of the counted topic; raises `NotFiniteError`."""
+        """Take a sample of the counted topic; raises `NotFiniteError`.
+
+        Where it is all that gives a heading, raises `MissingAttitudeError` if it has none.
+        """
+        if self.settings.heading == 'orientation' and imu.orientation is None:
+            raise MissingAttitudeError(
+                'the Imu carries no orientation, and pedometer.heading is orientation: take a '
+                'topic that has one (pedometer.input: imu/data), or set pedometer.heading to '
+                'compass, or to none'
+            )
         if self.settings.heading in ('orientation', 'any'):
             self._orientation.add(imu)
 

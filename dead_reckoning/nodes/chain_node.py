@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -18,7 +19,7 @@ from std_srvs.srv import SetBool, Trigger
 from dead_reckoning.configuration import COMMON
 from dead_reckoning.core.chain import FAULT, NOTICE, Chain, Output
 from dead_reckoning.core.common import CommonSettings, FrameSettings
-from dead_reckoning.core.errors import SettingsError, WireError
+from dead_reckoning.core.errors import DeadReckoningError, SettingsError, WireError
 from dead_reckoning.core.parameters import Settings
 from dead_reckoning.core.stages import ODOMETRY
 from dead_reckoning.nodes import parameters
@@ -26,6 +27,7 @@ from dead_reckoning.nodes.diagnostics import Diagnostics
 from dead_reckoning.nodes.services import DeferredServices
 from dead_reckoning.nodes.topics import publisher_qos, subscription_qos, topics
 from dead_reckoning.nodes.transforms import transform_sender
+from dead_reckoning.nodes.watch import ClockWatch, Input, TopicWatch
 
 SERVICE_PERIOD = 0.05
 DIAGNOSTICS_PERIOD = 1.0
@@ -56,7 +58,13 @@ class ChainNode(Node):
         self._writers: dict[str, Callable[[Any], None]] = {}
         self._figures: list[Callable[[], Mapping[str, object]]] = []
         self._closings: list[Callable[[], None]] = []
-        self.diagnostics = Diagnostics(self, self._all_figures)
+        self._topic_watch = TopicWatch(self, self.common.input_timeout)
+        self._watches: list[Callable[[], Iterable[DeadReckoningError]]] = [
+            self._topic_watch.findings
+        ]
+        self.diagnostics = Diagnostics(
+            self, self._all_figures, self._all_findings, self._topic_watch.awaited
+        )
         deferred = DeferredServices(self, self.common.service_timeout, self._count_usable)
         self._deferred = self._services_offered = deferred
         self.create_timer(SERVICE_PERIOD, deferred.poll, clock=STEADY)
@@ -74,10 +82,12 @@ class ChainNode(Node):
         inputs: Iterable[str],
         outputs: Iterable[str],
         on_demand: Collection[str] = (),
+        optional: Collection[str] = (),
     ) -> None:
         """Subscribe the inputs of a chain and publish its outputs, by topic name.
 
-        Outputs named in ``on_demand`` are written only while someone subscribes.
+        Outputs named in ``on_demand`` are written only while someone subscribes; inputs named in
+        ``optional`` need not come.
         """
         self._chain = chain
         for name in outputs:
@@ -86,8 +96,10 @@ class ChainNode(Node):
                 topic.message,
                 name,
                 publisher_qos(topic.latched),
+                event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
                 qos_overriding_options=QoSOverridingOptions.with_default_policies(),
             )
+            self._topic_watch.add_output(name)  # it says more than rclpy's own callbacks
             write = _write_on_demand if name in on_demand else _write
             self._writers[name] = partial(write, publisher, topic.encode)
         if self.frames.publish_tf and ODOMETRY in self._writers:
@@ -96,11 +108,13 @@ class ChainNode(Node):
             )
         for name in inputs:
             topic = self._topics[name]
+            watched = self._topic_watch.add_input(name, topic.source, name not in optional)
             self.create_subscription(
                 topic.message,
                 name,
-                partial(self._receive, name, topic.decode),
+                partial(self._receive, watched, topic.decode),
                 subscription_qos(),
+                event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
                 raw=True,
                 qos_overriding_options=QoSOverridingOptions.with_default_policies(),
             )
@@ -116,6 +130,10 @@ class ChainNode(Node):
     def show(self, figures: Callable[[], Mapping[str, object]]) -> None:
         """Add figures to what /diagnostics shows."""
         self._figures.append(figures)
+
+    def watch_clock(self) -> None:
+        """Let /diagnostics say when the node's clock stands, since nothing goes on then."""
+        self._watches.append(ClockWatch(self, self.common.input_timeout).findings)
 
     def at_end(self, close: Callable[[], None]) -> None:
         """Call ``close`` when the node ends."""
@@ -149,14 +167,15 @@ class ChainNode(Node):
         """Put something into the chain, and publish what comes out of it."""
         self._put_out(self._chain.push(name, value))
 
-    def _receive(self, name: str, decode: Callable[[bytes], Any], data: bytes) -> None:
+    def _receive(self, watched: Input, decode: Callable[[bytes], Any], data: bytes) -> None:
+        watched.count += 1
         self.diagnostics.samples += 1
         try:
             sample = decode(data)
         except WireError as error:
             self.diagnostics.fault(error)
             return
-        self.push(name, sample)
+        self.push(watched.name, sample)
 
     def _put_out(self, flow: Iterable[Output]) -> None:
         for name, value in flow:
@@ -170,6 +189,9 @@ class ChainNode(Node):
 
     def _count_usable(self) -> int:
         return self.diagnostics.samples - self.diagnostics.dropped
+
+    def _all_findings(self) -> Iterator[DeadReckoningError]:
+        return (finding for findings in self._watches for finding in findings())
 
     def _all_figures(self) -> Mapping[str, object]:
         return {key: value for figures in self._figures for key, value in figures().items()}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
@@ -15,19 +15,28 @@ REPEAT = 30.0
 """A fault that goes on is logged again after this time [s], with how often it came."""
 
 PATIENCE = 2.0
-"""How long [s] waiting for rest at the start goes without a word."""
+"""How long [s] waiting for rest, at the start or anew, goes without a word."""
 
 
 class Diagnostics:
     """Faults by their class name, and the figures a node gives, once a second.
 
-    ``figures`` returns what else is worth seeing.  The level is that of the faults since the last
-    time, and of what lasts: error for wrong input, warning for dropped samples.
+    ``figures`` returns what else is worth seeing, ``findings`` what is wrong as long as it lasts,
+    ``awaited`` says what has not come yet.  The level is that of the faults since the last time,
+    and of what lasts: error for wrong input, warning for dropped samples.
     """
 
-    def __init__(self, node: Node, figures: Callable[[], Mapping[str, object]]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        figures: Callable[[], Mapping[str, object]],
+        findings: Callable[[], Iterable[DeadReckoningError]],
+        awaited: Callable[[], str],
+    ) -> None:
         self._node = node
         self._figures = figures
+        self._findings = findings
+        self._awaited = awaited
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
         self._faults: Counter[str] = Counter()
         self._recent: dict[str, DeadReckoningError] = {}
@@ -79,6 +88,12 @@ class Diagnostics:
 
     def publish(self) -> None:
         """Publish counts, figures and the level since the last time."""
+        events, self._recent = self._recent, {}
+        if NotLevelledError.__name__ not in events:
+            self._waiting_since = None
+        for finding in self._findings():
+            self.fault(finding)
+        self._recent.update(events)  # what lasts explains what came of it, so it stands first
         status = DiagnosticStatus(
             name=self._node.get_fully_qualified_name().lstrip('/'), hardware_id='dead_reckoning'
         )
@@ -93,7 +108,11 @@ class Diagnostics:
     def _level(self) -> tuple[bytes, str]:
         present = [*self._recent.values(), *([self._state] if self._state else [])]
         if not present:
-            return DiagnosticStatus.OK, 'running' if self.samples else 'waiting for samples'
+            return DiagnosticStatus.OK, 'running' if self.samples else self._waiting()
         worst = min(present, key=lambda error: error.severity)  # errors first
         warning = worst.severity == 'warning'
         return DiagnosticStatus.WARN if warning else DiagnosticStatus.ERROR, str(worst)
+
+    def _waiting(self) -> str:
+        awaited = self._awaited()
+        return 'waiting for samples' + (f' on {awaited}' if awaited else '')

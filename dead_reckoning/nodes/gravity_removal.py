@@ -5,7 +5,7 @@ from __future__ import annotations
 from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.gravity_settings import GravitySettings
-from dead_reckoning.core.stages import ACCELERATION, IMU, gravity_inputs, gravity_stage
+from dead_reckoning.core.stages import ACCELERATION, COMPASS, IMU, gravity_inputs, gravity_stage
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.transforms import mountings
 
@@ -24,6 +24,7 @@ class GravityRemovalNode(ChainNode):
             Chain([gravity_stage(removal, mountings(self, self.frames))]),
             inputs=gravity_inputs(settings.attitude),
             outputs=(ACCELERATION,) if settings.attitude == 'message' else (IMU, ACCELERATION),
+            optional=(COMPASS,),
         )
         serve(self, removal)
 

@@ -5,7 +5,14 @@ from __future__ import annotations
 from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.integrator import Integrator
-from dead_reckoning.core.stages import ACCELERATION, IMU, ODOMETRY, STATIONARY, integrator_stage
+from dead_reckoning.core.stages import (
+    ACCELERATION,
+    IMU,
+    ODOMETRY,
+    STATIONARY,
+    integrator_stage,
+    pairing_stage,
+)
 from dead_reckoning.nodes import parameters
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.transforms import mountings
@@ -18,7 +25,7 @@ class IntegratorNode(ChainNode):
         super().__init__('integrator', (IntegratorSettings,))
         integrator = Integrator(self.configuration[IntegratorSettings], self.common)
         self.connect(
-            Chain([integrator_stage(integrator, mountings(self, self.frames))]),
+            Chain([pairing_stage(), integrator_stage(integrator, mountings(self, self.frames))]),
             inputs=(ACCELERATION, IMU),
             outputs=(ODOMETRY, STATIONARY),
         )

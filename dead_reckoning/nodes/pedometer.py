@@ -9,6 +9,7 @@ from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
 from dead_reckoning.core.stages import (
+    COMPASS,
     PEDOMETER_OUTPUTS,
     TOTALS,
     pedometer_inputs,
@@ -32,6 +33,7 @@ class PedometerNode(ChainNode):
             Chain([pedometer_stage(pedometer, odometry, mountings(self, self.frames))]),
             inputs=pedometer_inputs(settings),
             outputs=PEDOMETER_OUTPUTS,
+            optional=() if settings.heading == 'compass' else (COMPASS,),
         )
         serve(self, pedometer, odometry, calibrate='calibrate')
 

@@ -8,6 +8,7 @@ from dead_reckoning.configuration import DRIVER, PEDOMETER
 from dead_reckoning.core.chain import Stage
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
+from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.stages import (
     ACCELERATION,
@@ -57,6 +58,7 @@ class PipelineNode(ChainNode):
             inputs=inputs,
             outputs=(*outputs, *between),
             on_demand=between,
+            optional=() if self._needs_compass(pipeline) else (COMPASS,),
         )
         if driver is not None:
             self.driver = driver(self, self.configuration)
@@ -69,6 +71,12 @@ class PipelineNode(ChainNode):
             pedometer.serve(
                 self, pipeline.pedometer, pipeline.step_odometry, calibrate='pedometer/calibrate'
             )
+
+    def _needs_compass(self, pipeline: Pipeline) -> bool:
+        return (
+            pipeline.pedometer is not None
+            and self.configuration[PedometerSettings].heading == 'compass'
+        )
 
     def _ending(self, settings: PipelineSettings) -> list[Stage]:
         """Return the stages for `pipeline.log_csv` and `pipeline.duration`, if asked for."""

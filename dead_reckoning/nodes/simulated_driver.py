@@ -31,6 +31,7 @@ class SimulatedDriver(Driver):
         self._last_ns = 0
         period = self._settings.samples_per_message / self._settings.sample_rate
         node.create_timer(max(period, 0.001), self._tick)
+        node.watch_clock()
 
     def _tick(self) -> None:
         now_ns = self._node.get_clock().now().nanoseconds

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from geometry_msgs.msg import AccelWithCovarianceStamped
@@ -22,29 +22,34 @@ DEPTH = 100
 
 @dataclass(frozen=True)
 class Topic:
-    """How one topic is spoken; ``decode`` is None where nothing of this package listens."""
+    """How one topic is spoken; ``decode`` is None where nothing of this package reads it."""
 
     message: Any
     encode: Callable[[Any], bytes]
     decode: Callable[[bytes], Any] | None = None
     latched: bool = False
+    source: str = ''
+    """Who publishes it, for those who miss it; empty where nothing of this package listens."""
 
 
 def topics(frames: FrameSettings) -> dict[str, Topic]:
     """Return all topics of samples and states, by relative name."""
     encode_odometry = wire.odometry_encoder(frames.world, frames.body)
-    imu = Topic(Imu, wire.encode_imu, wire.decode_imu)
+    imu = Topic(Imu, wire.encode_imu, wire.decode_imu, source='the driver of the sensor')
     odometry = Topic(Odometry, encode_odometry, wire.decode_odometry)
     number = Topic(Float64, wire.encode_float64, wire.decode_float64, latched=True)
     return {
         stages.RAW: imu,
-        stages.IMU: imu,
-        stages.COMPASS: imu,
+        stages.IMU: replace(imu, source='gravity_removal, or a driver that knows its attitude'),
+        stages.COMPASS: replace(imu, source='compass_driver'),
         stages.ACCELERATION: Topic(
-            AccelWithCovarianceStamped, wire.encode_acceleration, wire.decode_acceleration
+            AccelWithCovarianceStamped,
+            wire.encode_acceleration,
+            wire.decode_acceleration,
+            source='gravity_removal',
         ),
         stages.ODOMETRY: odometry,
-        stages.GROUND_TRUTH: odometry,
+        stages.GROUND_TRUTH: replace(odometry, source='the simulated accelerometer_driver'),
         stages.STATIONARY: Topic(Bool, wire.encode_bool, latched=True),
         stages.STEPS: Topic(UInt32, wire.encode_uint32, wire.decode_uint32, latched=True),
         stages.DISTANCE: number,

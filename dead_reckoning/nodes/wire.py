@@ -100,6 +100,11 @@ def _read(
         doubles = layout.unpack_from(data, 4 + at + -at % 8)
     except (error, UnicodeDecodeError) as problem:
         raise _no_message(data, message_type, problem) from problem
+    if nanoseconds >= NANOSECONDS:
+        raise WireError(
+            f'the stamp of a {message_type.__name__} has {nanoseconds} ns beside its seconds, '
+            'more than a second: check the driver'
+        )
     return seconds * NANOSECONDS + nanoseconds, frame_id, doubles
 
 

@@ -101,3 +101,20 @@ def test_memory_is_bounded(side):
         lost += int(str(error).split()[0]) if error else 0
     assert len(alive) == 10
     assert lost == 990
+
+
+def test_a_partner_far_behind_is_waited_for():
+    """A recording played as fast as it goes: one stream is ahead by seconds."""
+    pairs = StampPairs()
+    stamps = [stamp * 10_000_000 for stamp in range(1, 1001)]
+    turns = [True] * 1000
+    assert interleave(pairs, stamps, stamps, turns) == expected(stamps)
+    assert pairs.collect_lost('a', 'b') is None
+
+
+def test_what_begins_after_a_restart_is_not_taken_for_passed():
+    pairs = StampPairs()
+    second = 1_000_000_000
+    assert pairs.right(second, 'anew') is None
+    assert pairs.left(10 * second, 'of the round before') is None
+    assert pairs.left(second, 'anew') == ('anew', 'anew')

@@ -7,12 +7,14 @@ from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import (
     GapError,
     GravityError,
+    MissingAttitudeError,
     MissingRateError,
     NotFiniteError,
     NotLevelledError,
     RepeatedStampError,
     RestartError,
     UnpairedError,
+    ZeroStampError,
 )
 from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.gravity_settings import GravitySettings
@@ -29,6 +31,7 @@ from dead_reckoning.core.stages import (
     ACCELERATION,
     COMPASS,
     IMU,
+    LEVELLED,
     ODOMETRY,
     RAW,
     STATIONARY,
@@ -36,6 +39,7 @@ from dead_reckoning.core.stages import (
     gravity_inputs,
     gravity_stage,
     integrator_stage,
+    pairing_stage,
 )
 
 STEP_NS = 10_000_000
@@ -47,7 +51,8 @@ def gravity_chain(attitude='rest'):
 
 
 def integrator_chain():
-    return Chain([integrator_stage(Integrator(IntegratorSettings(), CommonSettings()))])
+    integrator = Integrator(IntegratorSettings(), CommonSettings())
+    return Chain([pairing_stage(), integrator_stage(integrator)])
 
 
 def imu(step, force=(0.0, 0.0, GRAVITY), orientation=None):
@@ -62,8 +67,13 @@ def oriented(step):
     return imu(step, orientation=IDENTITY_QUATERNION)
 
 
+def topics(outputs):
+    """Return what comes out on topics, without what only the next stage takes."""
+    return [(name, value) for name, value in outputs if name != LEVELLED]
+
+
 def names(outputs):
-    return [name for name, _ in outputs]
+    return [name for name, _ in topics(outputs)]
 
 
 @pytest.mark.parametrize(('attitude', 'topic'), [('rest', RAW), ('message', IMU)])
@@ -113,7 +123,7 @@ def test_imu_that_came_without_an_attitude_goes_out_with_one():
         assert isinstance(error, NotLevelledError)
     outputs = chain.push(RAW, imu(50))
     assert names(outputs) == [IMU, ACCELERATION, NOTICE]
-    levelled, linear, said = (value for _, value in outputs)
+    levelled, linear, said = (value for _, value in topics(outputs))
     assert levelled.orientation == IDENTITY_QUATERNION
     assert levelled.stamp_ns == linear.stamp_ns == 51 * STEP_NS
     assert said.startswith('levelled: gravity is 9.8066')
@@ -145,7 +155,7 @@ def test_integrator_waits_for_both_whichever_comes_first(imu_first):
         assert chain.push(*first) == []
         outputs = chain.push(*second)
         assert names(outputs) == [ODOMETRY, STATIONARY][: 1 + (step == 0)]
-        assert outputs[0][1].stamp_ns == (step + 1) * STEP_NS
+        assert dict(outputs)[ODOMETRY].stamp_ns == (step + 1) * STEP_NS
 
 
 def test_stationary_is_said_at_the_start_and_on_change():
@@ -161,29 +171,90 @@ def test_stationary_is_said_at_the_start_and_on_change():
 def test_sample_without_partner_is_said_once_and_holds_up_nothing():
     chain = integrator_chain()
     chain.push(ACCELERATION, acceleration(0))
-    chain.push(IMU, oriented(1))
-    outputs = chain.push(ACCELERATION, acceleration(1))
-    assert names(outputs) == [FAULT, ODOMETRY, STATIONARY]
-    error = outputs[0][1]
+    ((name, error),) = chain.push(IMU, oriented(1))
+    assert name == FAULT
     assert isinstance(error, UnpairedError)
+    assert names(chain.push(ACCELERATION, acceleration(1))) == [ODOMETRY, STATIONARY]
     assert 'imu/linear_acceleration and imu/data' in str(error)
     chain.push(IMU, oriented(2))
     assert names(chain.push(ACCELERATION, acceleration(2))) == [ODOMETRY]
 
 
-def test_refused_pair_is_a_fault_and_the_next_one_passes():
+def test_refused_acceleration_is_a_fault_and_the_next_one_passes():
     chain = integrator_chain()
-    for step, x, expected in [
-        (0, 0.0, None),
-        (1, float('nan'), NotFiniteError),
-        (0, 0.0, RepeatedStampError),
-        (1, 0.0, None),
-    ]:
+    for step, x, expected in [(0, 0.0, ODOMETRY), (1, float('nan'), FAULT), (2, 0.0, ODOMETRY)]:
         chain.push(IMU, oriented(step))
-        name, value = chain.push(ACCELERATION, acceleration(step, x))[0]
-        assert name == (FAULT if expected else ODOMETRY)
-        if expected:
-            assert isinstance(value, expected)
+        name, value = topics(chain.push(ACCELERATION, acceleration(step, x)))[0]
+        assert name == expected
+        if name == FAULT:
+            assert isinstance(value, NotFiniteError)
+
+
+@pytest.mark.parametrize(
+    ('bad', 'expected'),
+    [
+        (imu(1), MissingAttitudeError),
+        (imu(1, orientation=(0.0, 0.0, float('nan'), 1.0)), NotFiniteError),
+        (imu(1, (0.0, float('inf'), 0.0), IDENTITY_QUATERNION), NotFiniteError),
+        (oriented(0), RepeatedStampError),
+        (oriented(-1), ZeroStampError),
+    ],
+)
+def test_imu_that_no_acceleration_will_follow_is_one_fault(bad, expected):
+    """Gravity removal refuses it too, so nothing comes that could wait for it."""
+    chain = integrator_chain()
+    faults = []
+    for step, sample in enumerate((oriented(0), bad, oriented(2), oriented(3))):
+        outputs = chain.push(IMU, sample)
+        if sample is not bad:
+            outputs += chain.push(ACCELERATION, acceleration(step))
+            assert ODOMETRY in names(outputs)
+        faults += [type(value) for name, value in outputs if name == FAULT]
+    assert faults == [expected]
+
+
+def test_streams_whose_stamps_never_meet_are_said_at_once():
+    chain = integrator_chain()
+    faults = []
+    for step in range(10):
+        chain.push(IMU, oriented(step))
+        late = LinearAcceleration((step + 1) * STEP_NS + 5, 'odom', ZERO)
+        faults += [value for name, value in chain.push(ACCELERATION, late) if name == FAULT]
+    assert len(faults) == 10
+    assert {type(fault) for fault in faults} == {UnpairedError}
+
+
+def test_one_bad_imu_is_one_fault_in_a_whole_chain():
+    removal = GravityRemoval(
+        GravitySettings(attitude='message'), CommonSettings(), FrameSettings()
+    )
+    integrator = Integrator(IntegratorSettings(), CommonSettings())
+    chain = Chain([gravity_stage(removal), integrator_stage(integrator)])
+    nan = imu(1, force=(float('nan'), 0.0, 0.0), orientation=IDENTITY_QUATERNION)
+    samples = [oriented(0), nan, imu(2), oriented(0), oriented(-1), oriented(3), oriented(4)]
+    outputs = [output for sample in samples for output in chain.push(IMU, sample)]
+    assert [type(value) for name, value in outputs if name == FAULT] == [
+        NotFiniteError,
+        MissingAttitudeError,
+        RepeatedStampError,
+        ZeroStampError,
+    ]
+    assert names(outputs).count(ODOMETRY) == 3
+
+
+def test_gap_under_an_estimated_attitude_is_said_with_the_remedy():
+    chain = gravity_chain('estimate')
+    faults = []
+    for step in (*range(60), 200, 201):
+        sample = ImuSample(
+            (step + 1) * STEP_NS, 'imu_link', (0.0, 0.0, GRAVITY), angular_velocity=ZERO
+        )
+        outputs = chain.push(RAW, sample)
+        faults += [(step, value) for name, value in outputs if name == FAULT]
+    ((step, gap),) = [(step, value) for step, value in faults if isinstance(value, GapError)]
+    assert step == 200
+    assert 'no samples for 1.41 s' in str(gap)
+    assert 'gravity.max_gap' in str(gap)
 
 
 def test_restart_of_gravity_removal_is_said_once_and_so_is_each_levelling():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dead_reckoning.core.common import CommonSettings
+from dead_reckoning.core.errors import MissingAttitudeError
 from dead_reckoning.core.pedometer import PedometerSettings, PedometerState
 from dead_reckoning.core.rotation import quaternion_from_euler, yaw_from_quaternion
 from dead_reckoning.core.samples import UNKNOWN, UNMEASURED_VARIANCE, ImuSample
@@ -200,3 +201,23 @@ def test_velocity_spreads_along_and_across():
     speed = LENGTH / DURATION
     assert covariance[0, 0] == pytest.approx((0.1 * speed) ** 2)
     assert covariance[1, 1] == pytest.approx((0.06 * speed) ** 2)
+
+
+@pytest.mark.parametrize(
+    ('heading', 'compass', 'orientation'),
+    [
+        ('any', True, False),
+        ('compass', True, False),
+        ('orientation', False, True),
+        ('none', False, False),
+    ],
+)
+def test_what_has_to_give_the_heading_must_carry_one(heading, compass, orientation):
+    made = odometry(heading=heading)
+    bare = ImuSample(START_NS, 'imu_link', (0.0, 0.0, 9.8))
+    for take, refused in ((made.take_compass, compass), (made.take_orientation, orientation)):
+        if refused:
+            with pytest.raises(MissingAttitudeError, match='carries no orientation'):
+                take(bare)
+        else:
+            take(bare)

@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 from messages import NANOSECONDS
 from nav_msgs.msg import Odometry
-from ros_harness import EXECUTORS, lossless
+from ros_harness import EXECUTORS, figures, lossless
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 
@@ -88,3 +88,30 @@ def test_a_small_step_back_of_the_clock_repeats_nothing(driver):
     driver.run(100.0, 101.0)
     driver.run(100.6, 101.5)
     assert driver.raw.stamps == sorted(set(driver.raw.stamps))
+
+
+def test_a_looped_bag_starts_the_whole_chain_anew(ros):
+    """Under use_sim_time all nodes wait while the bag is paused, and go on when it loops."""
+    common = {
+        'use_sim_time': True,
+        'common.input_timeout': 1.0,
+        **lossless('/imu/data_raw', '/imu/data', '/imu/linear_acceleration', '/ground_truth/odom'),
+    }
+    slide = {'driver.slide.start': 0.8, 'driver.wait_for_subscribers': 5}
+    ros.start('accelerometer_driver', {**common, **slide})
+    chain = ('gravity_removal', 'integrator', 'pedometer', 'compass_driver')
+    nodes = [ros.start(name, common) for name in chain]
+    driver = Driver(ros)
+    odom = ros.record('odom', Odometry).connected()
+    diagnostics = ros.diagnostics()
+    driver.run(100.0, 103.0)
+    ros.until(lambda: odom.latest_stamp > 102.5 * NANOSECONDS, 'odom')
+    assert odom.messages[-1].pose.pose.position.x == pytest.approx(0.5, rel=0.1)
+    for name in chain:
+        diagnostics.until(name, lambda s: 'SilentInputError' in figures(s), 'the bag is paused')
+    driver.run(100.0, 102.0)
+    ros.until(lambda: 101.5 * NANOSECONDS < odom.latest_stamp < 102.1 * NANOSECONDS, 'odom anew')
+    for name in chain:
+        diagnostics.until(name, lambda s: figures(s).get('RestartError') == '1', 'one restart')
+    for node in nodes:
+        assert 'Traceback' not in node.stderr
