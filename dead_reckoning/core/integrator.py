@@ -138,7 +138,7 @@ class Integrator:
             self._give_up_calibration(NotAtRestError('the stamps went back meanwhile: ask again'))
         rotation = matrix_from_quaternion(orientation)
         reading = self._read(accel_w, rotation, imu)
-        dt = (step_ns or 0) / NANOSECONDS
+        dt = min((step_ns or 0) / NANOSECONDS, LONGEST_GAP)
         gap = dt > self.settings.max_gap
         if step_ns is None or gap:
             self._movement_end.clear()
@@ -148,7 +148,7 @@ class Integrator:
             self._start_w = rotate(rotation, lever_arm)
         elif gap:
             self.gaps += 1
-            self._integration.gap(min(dt, LONGEST_GAP), reading)
+            self._integration.gap(dt, reading)
         elif self._stationary and reading.kept_s == ZERO:
             self._integration.hold(dt, reading)
         else:

@@ -36,6 +36,7 @@ from dead_reckoning.core.stages import (
     RAW,
     gravity_stage,
     integrator_stage,
+    pairing_stage,
 )
 from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver import front_end, simulated_sensor
@@ -284,7 +285,10 @@ def test_two_nodes_give_what_one_chain_gives(slide):
         ]
     )
     second = Chain(
-        [integrator_stage(Integrator(parts[IntegratorSettings], common), mountings_of(frames))]
+        [
+            pairing_stage(),
+            integrator_stage(Integrator(parts[IntegratorSettings], common), mountings_of(frames)),
+        ]
     )
     samples = [seen_by_sensor(sample, turn) for sample in slide[0]]
     whole, _ = run(samples, values)
