@@ -106,7 +106,8 @@ def check_up_axis(specific_force: Vector) -> None:
     angle = degrees(acos(max(-1.0, min(1.0, specific_force[2] / magnitude))))
     if angle > UP_AXIS_TOLERANCE:
         raise MountingError(
-            f'at rest the specific force is {angle:.0f}° off the up axis (z): fine if the sensor '
-            'is mounted that way; else the sign is turned (at rest +g belongs on the up axis), '
-            'the device is upside down, or its axes or attitude are NED where ENU is meant'
+            f'at rest the specific force is {angle:.0f}° off the up axis (z): if the sensor is '
+            'mounted that way, say so by frames.mounting_rotation; else the sign is turned (at '
+            'rest +g belongs on the up axis), the device is upside down, or its axes or attitude '
+            'are NED where ENU is meant'
         )
