@@ -44,7 +44,7 @@ class Recorder(ChainNode):
             STEPS: self._total_writer(STEPS),
             DISTANCE: self._total_writer(DISTANCE),
         }
-        self.connect(Chain([stage]), inputs=stage, outputs=())
+        self.connect(Chain([stage]), inputs=stage, outputs=(), optional=stage)
         self._ends = dict.fromkeys((*stage, COMPASS), 0)
         self.create_timer(LOOK_PERIOD, self._look, clock=STEADY)
 

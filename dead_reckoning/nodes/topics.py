@@ -29,7 +29,7 @@ class Topic:
     decode: Callable[[bytes], Any] | None = None
     latched: bool = False
     source: str = ''
-    """Who publishes it, for those who miss it; empty where nothing of this package listens."""
+    """Who publishes it, for those who miss it; empty where nobody does."""
 
 
 def topics(frames: FrameSettings) -> dict[str, Topic]:

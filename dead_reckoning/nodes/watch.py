@@ -23,7 +23,10 @@ class Input:
     """One subscribed topic, and how many messages came on it."""
 
     def __init__(self, name: str, topic: str, source: str, needed: bool) -> None:
-        """``name`` as subscribed, ``topic`` in full; ``source``: who publishes it, in words."""
+        """``name`` as subscribed, ``topic`` in full; ``source``: who publishes it, in words.
+
+        Nobody misses an input without a ``source``.
+        """
         self.name = name
         self.topic = topic
         self.source = source
@@ -88,7 +91,8 @@ class TopicWatch:
         lacking = [
             each
             for each in self._inputs
-            if each.silent_for(now) > self._timeout
+            if each.source
+            and each.silent_for(now) > self._timeout
             and (each.count or (each.needed and now - self._begun > self._timeout))
         ]
         said = [

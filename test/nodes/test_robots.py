@@ -48,6 +48,7 @@ def start(ros, robot):
         'frames.body': f'{robot}/base_link',
         'frames.sensor': f'{robot}/imu_link',
         'driver.wait_for_subscribers': LISTENERS,
+        'driver.samples_per_message': 128,  # two robots are much for one listener in Python
     }
     for name in NODES:
         ros.start(name, parameters, '-r', f'__ns:=/{robot}')
