@@ -1,8 +1,8 @@
 """The programs of the command ``reference``, a module each, found by its name.
 
 A module offers ``SUMMARY``, a line for the help; ``add_arguments(parser)``; and
-``run(arguments)``, which returns the lines to print, all of them or an error.  An underscore in its
-name is a hyphen in the command.
+``run(arguments)``, which returns the lines to print, all of them or an error.  An underscore in
+its name is a hyphen in the command.
 """
 
 import pkgutil
