@@ -74,7 +74,7 @@ def run(counts: Counts, *, corrected: bool = False, average: int = 1) -> list[St
     ``average`` is `avgconst`, from 1 on.
 
     Nothing overruns: of a pause all samples are kept, however long.  Where the listing divides by
-    zero, the corrected stride is infinite or NaN, and so is every average and distance after it.
+    zero, the corrected stride is infinite or NaN, and so is the distance from then on.
     """
     magnitude = magnitudes(counts)
     samples = list(magnitude)
