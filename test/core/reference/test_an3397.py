@@ -235,7 +235,8 @@ def test_program_equals_its_transcription(zero, stretches, seed, corrected, shif
     generator = np.random.default_rng(seed)
     parts = [generator.integers(-2, 3, (1024, 2)) + zero]
     for x, y, spread, updates in stretches:
-        parts.append(generator.integers(-spread, spread + 1, (64 * updates, 2)) + [x, y])
+        level = np.array([x, y])
+        parts.append(generator.integers(-spread, spread + 1, (64 * updates, 2)) + level)
         # At rest often enough that movements end.
         parts.append(generator.integers(-2, 3, (64 * 3 * (updates // 7), 2)) + zero)
     counts = np.clip(np.concatenate(parts), 0, 255)
