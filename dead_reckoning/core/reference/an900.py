@@ -7,8 +7,7 @@ peculiarity, and what it does: docs/reference-algorithms.md, "AN-900".
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,25 +75,15 @@ def run(counts: Counts, *, corrected: bool = False, average: int = 1) -> list[St
     Nothing overruns: of a pause all samples are kept, however long.  Where the listing divides by
     zero, the corrected stride is infinite or NaN, and so is the distance from then on.
     """
-    magnitude = magnitudes(counts)
-    samples = list(magnitude)
-    found: list[Step] = []
-    carried, last = 0, -1
-    average_stride = distance = ZERO
-    with np.errstate(divide='ignore', invalid='ignore'):
-        for at in crossings(moving_sums(magnitude), corrected):
-            step = samples[last + 1 - carried : at + 1]
-            length = stride(step, carried, corrected)
-            if len(found) < 2:
-                average_stride = length
-            else:
-                others = Single(average - 1) * average_stride
-                average_stride = (others + length) / Single(average)
-            distance = distance + average_stride
-            lengths = float(length), float(average_stride), len(found) + 1, float(distance)
-            found.append(Step(at, *lengths))
-            carried, last = SPAN, at
-    return found
+    samples = magnitudes(counts)
+    found = crossings(moving_sums(samples), corrected)
+    lengths = strides(samples, found, corrected)
+    averages = averaged(lengths, average)
+    # Added up one after the other, in 32 bits.
+    distances = np.add.accumulate(averages)
+    numbers = range(1, len(found) + 1)
+    rows = (lengths.tolist(), averages.tolist(), numbers, distances.tolist())
+    return [Step(*row) for row in zip(found, *rows, strict=True)]
 
 
 def magnitudes(counts: Counts) -> Singles:
@@ -129,8 +118,8 @@ def moving_sums(samples: Singles) -> Singles:
     return np.array(sums, Single)
 
 
-def crossings(sums: Singles, corrected: bool = False) -> Iterator[int]:
-    """Yield the samples at which the listing's `IsStep` finds a step."""
+def crossings(sums: Singles, corrected: bool = False) -> list[int]:
+    """Return the samples at which the listing's `IsStep` finds a step."""
     before = sums[FEWEST - 2 : -1]
     sums = sums[FEWEST - 1 :]
     rises = (sums > before + STEP_THRESHOLD).tolist()
@@ -139,11 +128,12 @@ def crossings(sums: Singles, corrected: bool = False) -> Iterator[int]:
     up: bool | None = None
     maximum, minimum = -NO_EXTREME, NO_EXTREME
     middle = below = 0.0
+    found = []
     changes = zip(sums.tolist(), before.tolist(), rises, falls, strict=True)
     for at, (total, old, rising, falling) in enumerate(changes, FEWEST - 1):
         if up:
             if total > middle and old < below and maximum > minimum:
-                yield at
+                found.append(at)
                 maximum, minimum = -NO_EXTREME, NO_EXTREME
             elif falling:
                 up = False
@@ -159,33 +149,59 @@ def crossings(sums: Singles, corrected: bool = False) -> Iterator[int]:
                 below = float(Single(maximum + minimum / 2.0))
         elif falling:
             up = False
+    return found
 
 
-def stride(samples: Sequence[Single], carried: int, corrected: bool = False) -> Single:
-    """Return the length of a step by equation (2), of all its samples.
+def strides(samples: Singles, found: Sequence[int], corrected: bool = False) -> Singles:
+    """Return the length of each step by equation (2), shape (steps,).
 
-    The first ``carried`` of them are the last of the step before.  They count for the mean, as
-    far as `LATENCY` leaves them in, and not for maximum and minimum.
+    Maximum and minimum are of the samples after the step before.  The mean and the double sum
+    take the last `SPAN` of that one too, and leave out `LATENCY` at both ends.
     """
-    maximum, minimum = max(samples[carried:]), min(samples[carried:])
-    inner = samples[LATENCY : len(samples) - LATENCY]
-    mean = ZERO
-    for sample in inner:
-        mean = mean + sample
-    mean = mean / Single(len(inner))
-    velocity = displacement = ZERO
-    for sample in inner:
-        velocity = velocity + (sample - mean)
-        displacement = displacement + velocity
-    squared = displacement * (maximum - minimum) / (mean - minimum)
-    size = abs(float(squared)) if corrected else _integer_abs(squared)
-    return Single(math.sqrt(size)) * WALK_FUDGE
+    if not len(found):
+        return np.zeros(0, Single)
+    ends = np.array(found) + 1
+    fresh = np.concatenate(([0], ends[:-1]))
+    maximum = np.maximum.reduceat(samples[: ends[-1]], fresh)
+    minimum = np.minimum.reduceat(samples[: ends[-1]], fresh)
+    begins = np.concatenate(([0], ends[:-1] - SPAN))
+    mean, displacement = np.zeros((2, len(ends)), Single)
+    # Steps of one length are computed at once; `accumulate` adds as the listing does, one after
+    # the other in 32 bits, where `sum` would not.
+    lengths = ends - begins
+    for length in np.unique(lengths):
+        (chosen,) = np.nonzero(lengths == length)
+        inner = samples[begins[chosen, None] + np.arange(LATENCY, length - LATENCY)]
+        means = np.add.accumulate(inner, axis=1)[:, -1] / Single(length - SPAN)
+        velocities = np.add.accumulate(inner - means[:, None], axis=1)
+        mean[chosen] = means
+        displacement[chosen] = np.add.accumulate(velocities, axis=1)[:, -1]
+    with np.errstate(divide='ignore', invalid='ignore'):
+        squared = displacement * (maximum - minimum) / (mean - minimum)
+    size = np.abs(squared.astype(np.float64))
+    if not corrected:
+        size = _whole(size)
+    roots: Singles = np.sqrt(size).astype(Single)
+    return roots * WALK_FUDGE
 
 
-def _integer_abs(value: Single) -> int:
-    """Return C's `abs` of a float: cut down to an integer first.
+def averaged(lengths: Singles, average: int) -> Singles:
+    """Return the listing's exponential average; the first two steps stand for themselves."""
+    weight, others = Single(average), Single(average - 1)
+    averages: list[Single] = []
+    with np.errstate(invalid='ignore'):
+        for length in lengths:
+            if len(averages) >= 2:
+                length = (others * averages[-1] + length) / weight
+            averages.append(length)
+    return np.array(averages, Single)
+
+
+def _whole(size: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cut sizes down to integers, as C's `abs` of a float does before all else.
 
     Where C leaves open what that is, it is what the routines of ARM give: NaN is 0, and what 32
     bits do not hold is the nearest that they do.
     """
-    return 0 if math.isnan(value) else int(min(abs(float(value)), LARGEST_INT))
+    whole: NDArray[np.float64] = np.trunc(np.nan_to_num(np.minimum(size, LARGEST_INT), nan=0.0))
+    return whole

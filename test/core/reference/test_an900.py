@@ -268,15 +268,19 @@ def test_minimum_starts_at_ten_thousand():
 def test_eight_samples_are_never_looked_at():
     for count in range(9):
         assert run(walk()[:count]) == []
-    assert list(an900.crossings(singles())) == []
+    assert an900.crossings(singles()) == []
 
 
 # --- stride ---------------------------------------------------------------------------------
 
 
 def stride(samples, carried=0, corrected=False):
-    with np.errstate(all='ignore'):
-        return float(an900.stride(list(singles(*samples)), carried, corrected))
+    """Return the stride of a step of these samples, the first of which are of the one before."""
+    before = [9.0] * 5
+    if not carried:
+        return float(an900.strides(singles(*samples), [len(samples) - 1], corrected)[-1])
+    found = [len(before) + carried - 1, len(before) + len(samples) - 1]
+    return float(an900.strides(singles(*before, *samples), found, corrected)[-1])
 
 
 def test_stride_by_hand():
@@ -368,6 +372,21 @@ def test_pause_overruns_nothing(pause, corrected):
     steps = run(counts, corrected=corrected)
     assert steps == transcription(counts, corrected, 1)
     assert len(steps) > 2 * len(run(walk(300), corrected=corrected)) - 2
+
+
+@pytest.mark.filterwarnings('error')
+@pytest.mark.parametrize('average', [1, 3])
+def test_division_by_zero_spoils_the_distance_only_if_corrected(average):
+    """The mean of a step is its minimum: all that it is taken of is 100."""
+    odd = [100.0, 200.0, 100.0, 100.0, 100.0, 100.0, 100.0, 100.0, 200.0, 100.0, 140.0, 120.0]
+    counts = along_x(odd) + walk()
+    printed, corrected = (run(counts, corrected=flag, average=average) for flag in (False, True))
+    assert printed[0][:3] == (11, 0.0, 0.0)
+    assert all(math.isfinite(step[4]) for step in printed)
+    assert corrected[0][0] == 11
+    assert math.isnan(corrected[0][1])
+    assert all(math.isfinite(step[1]) and math.isfinite(step[2]) for step in corrected[1:])
+    assert all(math.isnan(step[4]) for step in corrected)
 
 
 def test_steps_of_one_sharp_sample_are_lost_where_the_parenthesis_is_repaired():
