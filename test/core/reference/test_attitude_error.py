@@ -2,10 +2,13 @@
 
 import math
 from decimal import Decimal
+from pathlib import Path
 
 import pytest
 
 from dead_reckoning.core.reference.attitude_error import ACCELERATIONS, table
+
+PAGE = (Path(__file__).parents[3] / 'docs' / 'reference-algorithms.md').read_text(encoding='utf-8')
 
 GRAVITY = 9.8
 """What the note recommends [m/s²]; 9.80665 would make 0.855 of 5°."""
@@ -58,3 +61,21 @@ def test_one_degree_after_a_minute_is_no_kilometre():
     (printed,) = (row for row in table() if row.angle == 1)
     assert printed.positions[1] == 612
     assert exact('1.0') * 60**2 / 2 == pytest.approx(308, abs=0.5)
+
+
+def test_page_has_the_table_beside_what_is_true():
+    for row, half in zip(table(), table(corrected=True), strict=True):
+        accel = exact(row.angle)
+        minute, ten = accel * 60**2 / 2, accel * 600**2 / 2000
+        metres = accel * 10**2 / 2
+        (line,) = (line for line in PAGE.splitlines() if line.startswith(f'| {row.angle}° |'))
+        _, _, first, printed, true, corrected, twice, *rest, _ = map(str.strip, line.split('|'))
+        assert first == f'{accel:.5f}'
+        assert (printed, corrected, twice) == (
+            str(row.acceleration),
+            str(half.positions[0]),
+            str(row.positions[0]),
+        )
+        assert float(true.removesuffix(' m')) == pytest.approx(metres, abs=0.006)
+        assert float(rest[0].removesuffix(' m')) == pytest.approx(minute, abs=0.051)
+        assert float(rest[1].removesuffix(' km')) == pytest.approx(ten, abs=0.051)

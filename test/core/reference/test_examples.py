@@ -13,7 +13,7 @@ from dead_reckoning.core.reference import an3397
 PAGE = (Path(__file__).parents[3] / 'docs' / 'reference-algorithms.md').read_text(encoding='utf-8')
 
 
-@pytest.mark.parametrize('name', ['wrap', 'an3397_frame', 'mbed'])
+@pytest.mark.parametrize('name', ['wrap', 'an3397_frame', 'mbed', 'an900', 'attitude_error'])
 def test_examples_in_docstrings_run(name):
     found = doctest.testmod(import_module(f'dead_reckoning.core.reference.{name}'))
     assert found.attempted > 0
