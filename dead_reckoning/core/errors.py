@@ -170,6 +170,10 @@ class OutOfRangeError(ReadingError):
     """A reading is outside of what the converter can give."""
 
 
+class FrameError(ReadingError):
+    """Bytes are no frame of the board they were taken for."""
+
+
 class PortError(DeadReckoningError):
     """A serial port can't be read; a subclass says why, where that is known."""
 
@@ -196,6 +200,10 @@ class SilentPortError(PortError):
 
 class RecordingError(DeadReckoningError):
     """A recording can't be read, or does not hold what was asked of it."""
+
+
+class InputError(DeadReckoningError):
+    """A file or an option given to a tool can't be used; file, line and value are named."""
 
 
 class DependencyError(DeadReckoningError):

@@ -12,12 +12,19 @@ COMMANDS = {
         'dead_reckoning.tools.demo.command',
         'simulate a motion, run the nodes, compare with the truth',
     ),
+    'reference': (
+        'dead_reckoning.tools.reference.command',
+        "run a document's own program, exact to the bit, on counts from a CSV file",
+    ),
 }
 """Commands by name: the module, which offers `add_arguments` and `main`, and what it is for."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; return the exit status: 0 done, 1 failed, 2 wrong usage, 130 interrupted."""
+    """Run a command; return the exit status.
+
+    0 done, 1 failed, 2 wrong usage or input, 130 interrupted.
+    """
     try:
         return _run(arguments)
     except KeyboardInterrupt:
@@ -27,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> int:
     # Imported here, so that Ctrl-C during the imports is caught above.
-    from dead_reckoning.core.errors import DeadReckoningError
+    from dead_reckoning.core.errors import DeadReckoningError, InputError
 
     parser = argparse.ArgumentParser(
         prog='dead-reckoning', description='Where did the sensor go? Tools that need no ROS.'
@@ -41,7 +48,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         return int(import_module(COMMANDS[given.command][0]).main(given))
     except DeadReckoningError as error:
         print(f'\ndead-reckoning {given.command}: {error}', file=sys.stderr)
-        return 1
+        return 2 if isinstance(error, InputError) else 1
 
 
 if __name__ == '__main__':

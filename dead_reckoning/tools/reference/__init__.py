@@ -1,0 +1,1 @@
+"""The command ``reference``: the documents' own programs on recorded counts."""
