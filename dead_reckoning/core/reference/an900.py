@@ -181,8 +181,8 @@ def strides(samples: Singles, found: Sequence[int], corrected: bool = False) -> 
     size = np.abs(squared.astype(np.float64))
     if not corrected:
         size = _whole(size)
-    roots: Singles = np.sqrt(size).astype(Single)
-    return roots * WALK_FUDGE
+    lengths_of_steps: Singles = np.sqrt(size).astype(Single) * WALK_FUDGE
+    return lengths_of_steps
 
 
 def averaged(lengths: Singles, average: int) -> Singles:
