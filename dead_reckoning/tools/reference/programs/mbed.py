@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from dataclasses import fields
+from functools import cache
 
 from dead_reckoning.core.reference import mbed
 from dead_reckoning.tools.reference.options import add_counts, finite, whole
@@ -41,4 +42,5 @@ def run(arguments: Namespace) -> list[str]:
         rows=constants.calibration_count + constants.sample_count,
     )
     updates = mbed.run(read(arguments.counts, columns)[:, 0], constants)
-    return ['a,v,p', *(f'{a!r},{v!r},{p!r}' for a, v, p in updates)]
+    text = cache(repr)  # a count times the gain is one of few, and repr is what takes the time
+    return ['a,v,p', *(f'{text(a)},{v!r},{p!r}' for a, v, p in updates)]
