@@ -300,7 +300,9 @@ def test_pipeline_counts_beside_the_integrator_and_like_the_chain(ros, executor)
 
 def test_calibrate_is_a_switch(ros):
     Walker(ros)
-    services = dict(ros.node.get_service_names_and_types())
-    assert services['/pedometer/calibrate'] == ['std_srvs/srv/SetBool']
-    for name in ('start', 'stop', 'reset'):
-        assert services[f'/pedometer/{name}'] == ['std_srvs/srv/Trigger']
+    kinds = {'start': 'Trigger', 'stop': 'Trigger', 'reset': 'Trigger', 'calibrate': 'SetBool'}
+    expected = {f'/pedometer/{name}': [f'std_srvs/srv/{kinds[name]}'] for name in kinds}
+    ros.until(
+        lambda: expected.items() <= dict(ros.node.get_service_names_and_types()).items(),
+        f'{expected}',
+    )
