@@ -43,6 +43,11 @@ def test_order_of_lines_does_not_matter():
     np.testing.assert_allclose(parse(shuffled, TOPICS).truth.time, np.arange(10.0))
 
 
+def test_what_came_before_the_truth_is_left_out():
+    early = [*recorded(), 'odom 0 1 2 3 4 5 6 7 8 9']
+    assert parse(early, TOPICS).series['odom'].time[0] == 2.0
+
+
 def test_topics_that_were_not_asked_for_are_left_out():
     assert set(parse(recorded(), ['odom']).series) == {'ground_truth/odom', 'odom'}
 

@@ -81,7 +81,8 @@ def error(axes: Axes, truth: Track, estimate: Track) -> None:
 def steps(axes: Axes, landed: Array, counted: Series) -> None:
     """Draw the steps as they were walked, at times of shape (n,) [s], and as they were counted."""
     axes.step(np.append(0.0, landed), np.arange(len(landed) + 1), where='post', **TRUTH)
-    axes.step(counted.time, counted.values[:, 0], where='post', **ESTIMATE)
+    totals = np.append(0.0, counted.values[:, 0])
+    axes.step(np.append(0.0, counted.time), totals, where='post', **ESTIMATE)
     _over_time(axes, 'steps')
 
 

@@ -69,7 +69,9 @@ class Recording:
 
 
 def parse(lines: Iterable[str], topics: Collection[str]) -> Recording:
-    """Read the lines of the node `recorder`; lines that name no topic of these are left out.
+    """Read the lines of the node `recorder`.
+
+    Lines that name no topic of these are left out, and what came before the first truth.
 
     Raises `RecordingError` where one of ``topics`` is missing.
     """
@@ -78,13 +80,13 @@ def parse(lines: Iterable[str], topics: Collection[str]) -> Recording:
         topic, stamp_ns, *numbers = line.split()
         if topic in rows:
             rows[topic][int(stamp_ns)] = [float(number) for number in numbers]
+    start_ns = min(rows[GROUND_TRUTH], default=0)
     for topic, samples in rows.items():
-        if not samples:
+        if not samples or max(samples) < start_ns:
             raise RecordingError(f'nothing came on {topic}')
-    start_ns = min(rows[GROUND_TRUTH])
 
     def series(samples: dict[int, list[float]]) -> Series:
-        order = sorted(samples)
+        order = sorted(ns for ns in samples if ns >= start_ns)
         time = (np.array(order, dtype=np.int64) - start_ns) / NANOSECONDS
         return Series(time, np.array([samples[ns] for ns in order]))
 
