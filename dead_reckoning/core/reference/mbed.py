@@ -8,14 +8,12 @@ program does otherwise than one expects: ``docs/reference-algorithms.md``.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-Updates = list[tuple[float, float, float]]
-"""Acceleration, velocity and position at the end of each update, in the units of the gain."""
+Doubles = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,8 +41,10 @@ class Constants:
     no_movement: int
 
 
-def run(counts: npt.NDArray[np.int64], constants: Constants) -> Updates:
+def run(counts: npt.NDArray[np.int64], constants: Constants) -> Doubles:
     """Return all updates of a recording, shape (n,): its first conversions calibrate.
+
+    An update is a row of `integrate`.
 
     What is left at the end and makes no whole update makes none.  A count has 16 bits there, sign
     extended: of a greater one, the low 16 count.
@@ -52,7 +52,7 @@ def run(counts: npt.NDArray[np.int64], constants: Constants) -> Updates:
     samples = counts.astype(np.int16).astype(np.int64)
     zero = means(samples[: constants.calibration_count], constants.calibration_count)[0]
     moving = means(samples[constants.calibration_count :], constants.sample_count)
-    return integrate((moving - zero).tolist(), constants)
+    return integrate(moving - zero, constants)
 
 
 def means(samples: npt.NDArray[np.int64], count: int) -> npt.NDArray[np.int64]:
@@ -67,25 +67,46 @@ def means(samples: npt.NDArray[np.int64], count: int) -> npt.NDArray[np.int64]:
     return truncated
 
 
-def integrate(accelerations: Iterable[int], constants: Constants) -> Updates:
-    """Return the updates that follow from averaged counts without their zero.
+def integrate(averages: npt.NDArray[np.int64], constants: Constants) -> Doubles:
+    """Return the updates that follow from averages without their zero, shape (n,) [counts].
 
-    The trapezoid is ``v += (a' + (a - a') / 2) · T`` with the last acceleration a', and the same
-    again for the position, in this order of doubles.
+    A row is acceleration, velocity and position at the end of an update, in the units of the gain:
+    shape (n, 3).  The trapezoid is ``v += (a' + (a - a') / 2) · T`` with the last acceleration a',
+    and the same again for the position, in this order of doubles.
     """
-    low, high, gain = constants.window_min, constants.window_max, constants.gain
-    time, no_movement = constants.update_time, constants.no_movement
-    last_a = last_v = position = 0.0
-    quiet = 0
-    updates = []
-    for count in accelerations:
-        a = 0.0 if low <= count <= high else count * gain
-        v = last_v + (last_a + ((a - last_a) / 2.0)) * time
-        position = position + (last_v + ((v - last_v) / 2.0)) * time
-        quiet = quiet + 1 if a == 0 else 0
-        if quiet > no_movement:
-            v = 0.0
-            quiet = 0
-        updates.append((a, v, position))
-        last_a, last_v = a, v
-    return updates
+    quiet = (constants.window_min <= averages) & (averages <= constants.window_max)
+    accelerations = np.where(quiet, 0.0, averages * constants.gain)
+    steps = _trapezoids(_before(accelerations), accelerations, constants.update_time)
+    reached = np.empty_like(steps)
+    begin = 0
+    ends = _ends(accelerations == 0.0, constants.no_movement)
+    for end in (*(ends + 1).tolist(), len(steps)):
+        # `accumulate` adds one after the other, as the loop of the page does.
+        np.add.accumulate(steps[begin:end], out=reached[begin:end])
+        begin = end
+    reached += 0.0  # a sum that begins at 0 is never −0
+    velocities = reached.copy()
+    velocities[ends] = 0.0
+    ways = _trapezoids(_before(velocities), reached, constants.update_time)
+    return np.column_stack((accelerations, velocities, np.add.accumulate(ways) + 0.0))
+
+
+def _before(values: Doubles) -> Doubles:
+    """Return what each update finds of the one before; the first finds 0."""
+    return np.concatenate(([0.0], values[:-1]))
+
+
+def _trapezoids(last: Doubles, now: Doubles, time: float) -> Doubles:
+    areas: Doubles = (last + (now - last) / 2.0) * time
+    return areas
+
+
+def _ends(quiet: npt.NDArray[np.bool_], no_movement: int) -> npt.NDArray[np.intp]:
+    """Return the updates that end a movement: those of one quiet stretch after it change nothing.
+
+    >>> _ends(np.array([True, False, True, True, True, True, True]), 2).tolist()
+    [4]
+    """
+    indices = np.arange(len(quiet))
+    last_loud = np.maximum.accumulate(np.where(quiet, -1, indices))
+    return np.nonzero(indices - last_loud == no_movement + 1)[0]

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dead_reckoning.core.reference.mbed import Constants, integrate, means, run
+from dead_reckoning.core.reference import mbed
+from dead_reckoning.core.reference.mbed import Constants, means
 
 
 def constants(**changed):
@@ -23,6 +24,14 @@ def constants(**changed):
         'no_movement': 2,
     }
     return Constants(**(values | changed))
+
+
+def run(counts, c):
+    return list(map(tuple, mbed.run(counts, c).tolist()))
+
+
+def integrate(averages, c):
+    return list(map(tuple, mbed.integrate(np.array(averages), c).tolist()))
 
 
 def column(updates, index):
