@@ -177,7 +177,7 @@ class Integrator:
             _scaled(velocity_covariance, velocity, scale_variance),
             reading.attitude_covariance,
             imu.angular_velocity,
-            rate_covariance,
+            UNKNOWN if imu.angular_velocity is None else rate_covariance,
             stationary,
         )
         if lever_arm == ZERO:
