@@ -2,38 +2,123 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from itertools import groupby
 from typing import Any
 
-from dead_reckoning.core.blocks import BLOCKS, Stamped
+import numpy as np
+
+from dead_reckoning.core.batch import NOTHING, Run
+from dead_reckoning.core.batch.gravity import level_run
+from dead_reckoning.core.batch.integrator import integrator_run
+from dead_reckoning.core.blocks import ANY_BLOCK, BLOCKS, LevelledBlock, Stamped, StateBlock
 from dead_reckoning.core.chain import FAULT, Output, Stage
 from dead_reckoning.core.errors import DeadReckoningError
+from dead_reckoning.core.gravity import GravityRemoval
+from dead_reckoning.core.integrator import Integrator
+from dead_reckoning.core.mounting import Mountings, unmounted
+from dead_reckoning.core.pedometer import Pedometer
+from dead_reckoning.core.stages import (
+    LEVELLED,
+    ODOMETRY,
+    STATIONARY,
+    gravity_input,
+    gravity_stage,
+    integrator_stage,
+    pedometer_stage,
+)
+from dead_reckoning.core.step_odometry import StepOdometry
 
 
-def blockwise(stage: Stage) -> Stage:
+def blockwise(stage: Stage, runs: Mapping[str, Run] | None = None) -> Stage:
     """Return a stage that takes and gives blocks, and runs another one sample by sample.
 
     Outputs of one name come as one block where they are samples, and as `Stamped` values where
-    they are not, as faults and notices; each name's are in order.
+    they are not, as faults and notices; each name's are in order.  ``runs``, by name of the input,
+    do many samples at once where they can.
     """
-    return {name: partial(_take, take) for name, take in stage.items()}
+    runs = runs or {}
+    return {name: partial(_take, take, runs.get(name, _no_run)) for name, take in stage.items()}
 
 
-def _take(take: Callable[[Any], Iterable[Output]], block: Any) -> list[Output]:
-    samples: dict[str, list[Any]] = {}
+def gravity_block_stage(removal: GravityRemoval, mountings: Mountings = unmounted) -> Stage:
+    """Give what `gravity_stage` gives, in blocks."""
+    run = level_run(removal, mountings)
+    return blockwise(
+        gravity_stage(removal, mountings), {gravity_input(removal.settings.attitude): run}
+    )
+
+
+def integrator_block_stage(integrator: Integrator, mountings: Mountings = unmounted) -> Stage:
+    """Give what `integrator_stage` gives, in blocks."""
+    run = integrator_run(integrator, mountings)
+    take = blockwise(integrator_stage(integrator, mountings), {LEVELLED: run})[LEVELLED]
+    said: bool | None = None
+
+    def integrate(block: LevelledBlock) -> list[Output]:
+        nonlocal said
+        outputs = [(name, value) for name, value in take(block) if name != STATIONARY]
+        for states in [value for name, value in outputs if name == ODOMETRY]:
+            outputs.extend(_changes(states, said))
+            said = bool(states.stationary[-1])
+        return outputs
+
+    return {LEVELLED: integrate}
+
+
+def pedometer_block_stage(
+    pedometer: Pedometer, odometry: StepOdometry, mountings: Mountings = unmounted
+) -> Stage:
+    """Give what `pedometer_stage` gives, in blocks."""
+    return blockwise(pedometer_stage(pedometer, odometry, mountings))
+
+
+def _changes(states: StateBlock, said: bool | None) -> list[Output]:
+    rests = states.stationary
+    changed = np.flatnonzero(rests[1:] != rests[:-1]) + 1
+    if said is not rests[0].item():
+        changed = np.concatenate(([0], changed))
+    return [(STATIONARY, Stamped(int(states.stamp_ns[at]), bool(rests[at]))) for at in changed]
+
+
+def _no_run(block: Any, begin: int) -> tuple[int, list[Output]]:
+    return NOTHING
+
+
+def _take(take: Callable[[Any], Iterable[Output]], run: Run, block: Any) -> list[Output]:
+    made: dict[str, list[Any]] = {}
     outputs: list[Output] = []
-    for index in range(len(block)):
-        sample = block.sample(index)
-        try:
-            made = take(sample)
-        except DeadReckoningError as error:
-            made = [(FAULT, error)]
-        for name, value in made:
-            if type(value) in BLOCKS:
-                samples.setdefault(name, []).append(value)
+
+    def collect(given: Iterable[Output], stamp_ns: int) -> None:
+        for name, value in given:
+            if type(value) in BLOCKS or isinstance(value, ANY_BLOCK):
+                made.setdefault(name, []).append(value)
+            elif isinstance(value, Stamped):
+                outputs.append((name, value))
             else:
-                outputs.append((name, Stamped(int(block.stamp_ns[index]), value)))
-    for name, values in samples.items():
-        outputs.append((name, BLOCKS[type(values[0])].of(values)))
+                outputs.append((name, Stamped(stamp_ns, value)))
+
+    index = 0
+    while index < len(block):
+        count, given = run(block, index)
+        collect(given, 0)
+        index += count
+        if index < len(block):
+            stamp_ns = int(block.stamp_ns[index])
+            try:
+                collect(take(block.sample(index)), stamp_ns)
+            except DeadReckoningError as error:
+                collect([(FAULT, error)], stamp_ns)
+            index += 1
+    outputs.extend((name, _joined(values)) for name, values in made.items())
     return outputs
+
+
+def _joined(values: Sequence[Any]) -> Any:
+    """Return samples and blocks of them as one block."""
+    blocks: list[Any] = []
+    for kind, group in groupby(values, type):
+        together = list(group)
+        blocks += [BLOCKS[kind].of(together)] if kind in BLOCKS else together
+    return blocks[0].join(blocks)

@@ -79,6 +79,20 @@ class Block(Generic[Sample]):
                 columns[covariance][missing] = NOT_MEASURED
         return cls(**columns)
 
+    @classmethod
+    def join(cls: type[Itself], blocks: Sequence[Itself]) -> Itself:
+        """Return blocks, at least one, as one; a single one as it is."""
+        if len(blocks) == 1:
+            return blocks[0]
+        return cls(
+            **{
+                name: value
+                if isinstance(value, str)
+                else np.concatenate([getattr(block, name) for block in blocks])
+                for name, value in blocks[0]._columns()
+            }
+        )
+
     def sample(self, index: int) -> Sample:
         """Return one sample."""
         values: dict[str, Any] = {}
@@ -176,6 +190,16 @@ class LevelledBlock:
             AccelerationBlock.of([s.acceleration for s in samples]),
         )
 
+    @classmethod
+    def join(cls, blocks: Sequence[LevelledBlock]) -> LevelledBlock:
+        """Return blocks, at least one, as one; a single one as it is."""
+        if len(blocks) == 1:
+            return blocks[0]
+        return cls(
+            ImuBlock.join([block.imu for block in blocks]),
+            AccelerationBlock.join([block.acceleration for block in blocks]),
+        )
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stamped:
@@ -192,3 +216,6 @@ BLOCKS: dict[type, Any] = {
     Levelled: LevelledBlock,
 }
 """The block of each kind of sample."""
+
+ANY_BLOCK = (Block, LevelledBlock)
+"""Classes of all blocks."""

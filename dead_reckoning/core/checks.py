@@ -19,9 +19,14 @@ CORRELATION = 1.01
 
 def require_vector(vector: Vector, name: str, remedy: str = 'check the driver') -> None:
     """Raise `NotFiniteError` for a vector, shape (3,), that nothing can have measured."""
-    x, y, z = vector
-    if not (abs(x) <= LARGEST and abs(y) <= LARGEST and abs(z) <= LARGEST):  # NaN too
+    if not is_measurable(vector):
         raise NotFiniteError(f'the {name} is {vector}: {remedy}')
+
+
+def is_measurable(vector: Vector) -> bool:
+    """Say whether something can have measured a vector, shape (3,)."""
+    x, y, z = vector
+    return abs(x) <= LARGEST and abs(y) <= LARGEST and abs(z) <= LARGEST  # NaN is not
 
 
 def require_covariance(covariance: Matrix, name: str) -> None:
@@ -30,20 +35,25 @@ def require_covariance(covariance: Matrix, name: str) -> None:
     That is one with NaN, an infinity, a variance that is negative or beyond `LARGEST_VARIANCE`, or
     a correlation beyond 1.
     """
-    xx, xy, xz, yx, yy, yz, zx, zy, zz = covariance
-    if (
-        0.0 <= xx <= LARGEST_VARIANCE
-        and 0.0 <= yy <= LARGEST_VARIANCE
-        and 0.0 <= zz <= LARGEST_VARIANCE
-        and isfinite(sum(covariance))
-        and max(xy * xy, yx * yx) <= CORRELATION * xx * yy
-        and max(xz * xz, zx * zx) <= CORRELATION * xx * zz
-        and max(yz * yz, zy * zy) <= CORRELATION * yy * zz
-    ):
+    if is_covariance(covariance):
         return
     raise NotFiniteError(
         f'the covariance of the {name} is {covariance}, which is none: check the driver; zeros '
         'mean that it is unknown, a first -1 that nothing is measured'
+    )
+
+
+def is_covariance(covariance: Matrix) -> bool:
+    """Say whether a matrix, shape (3, 3), can be a covariance."""
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = covariance
+    return (
+        0.0 <= xx <= LARGEST_VARIANCE
+        and 0.0 <= yy <= LARGEST_VARIANCE
+        and 0.0 <= zz <= LARGEST_VARIANCE
+        and isfinite(xy + xz + yx + yz + zx + zy)
+        and max(xy * xy, yx * yx) <= CORRELATION * xx * yy
+        and max(xz * xz, zx * zx) <= CORRELATION * xx * zz
+        and max(yz * yz, zy * zy) <= CORRELATION * yy * zz
     )
 
 

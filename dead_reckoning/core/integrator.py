@@ -173,8 +173,8 @@ class Integrator:
             position,
             velocity,
             orientation,
-            _scaled(position_covariance, position, scale_variance),
-            _scaled(velocity_covariance, velocity, scale_variance),
+            scaled(position_covariance, position, scale_variance),
+            scaled(velocity_covariance, velocity, scale_variance),
             reading.attitude_covariance,
             imu.angular_velocity,
             UNKNOWN if imu.angular_velocity is None else rate_covariance,
@@ -249,7 +249,7 @@ class Integrator:
             self._calibration.succeed(f'offset along x, y, z: {said} m/s²')
 
 
-def _scaled(covariance: Matrix, vector: Vector, variance: float) -> Matrix:
+def scaled(covariance: Matrix, vector: Vector, variance: float) -> Matrix:
     """Add to a covariance, shape (3, 3), that the whole vector may be too long or too short."""
     x, y, z = vector
     xx, xy, xz, _, yy, yz, _, _, zz = covariance

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 from dead_reckoning.core.common import FrameSettings
-from dead_reckoning.core.errors import SettingsError
+from dead_reckoning.core.errors import MissingMountingError, SettingsError
 from dead_reckoning.core.rotation import (
     composed,
     cross_covariance,
@@ -67,6 +67,14 @@ def unmounted(frame_id: str) -> Mounting:
 
 
 IDENTITY_MOUNTING = Mounting()
+
+
+def is_turned(mountings: Mountings, frame_id: str) -> bool:
+    """Say whether the axes of a sensor are not those of its body, or are not known."""
+    try:
+        return mountings(frame_id).rotation != IDENTITY_QUATERNION
+    except MissingMountingError:
+        return True
 
 
 def mountings_of(frames: FrameSettings) -> Mountings:

@@ -62,6 +62,7 @@ class MovementEnd:
     def _sum_anew(self) -> None:
         """Lose what rounding has left in the sums, which a large value makes large."""
         self._age = 0
-        for axis, values in enumerate(zip(*self._recent, strict=True)):
-            self._sum[axis] = sum(values)
-            self._squares[axis] = sum(value * value for value in values)
+        self._sum = [0.0, 0.0, 0.0]
+        self._squares = [0.0, 0.0, 0.0]
+        for accel_s in self._recent:
+            self._change(accel_s, 1.0)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from dead_reckoning.core.chain import Chain, Stage
 from dead_reckoning.core.common import CommonSettings, FrameSettings
@@ -73,13 +74,19 @@ class Pipeline:
     """
 
     def __init__(
-        self, parts: Parts, more: Iterable[Stage] = (), mountings: Mountings | None = None
+        self,
+        parts: Parts,
+        more: Iterable[Stage] = (),
+        mountings: Mountings | None = None,
+        blocks: bool = False,
     ) -> None:
         """``more`` are stages that stand at the end and take what they name.
 
-        ``mountings`` are those of the parameters, unless a node gives its own, from TF.  Raises
+        ``mountings`` are those of the parameters, unless a node gives its own, from TF.  With
+        ``blocks`` the chain takes and gives blocks of samples (`block_stages`).  Raises
         `SettingsError` where the parameters ask for TF, and none are given.
         """
+        make = _stages(blocks)
         mountings = mountings or mountings_of(parts[FrameSettings])
         estimators = parts[PipelineSettings].estimators
         common = parts[CommonSettings]
@@ -96,16 +103,35 @@ class Pipeline:
         inputs: list[str] = []
         if 'integrator' in estimators or (counts and pedometer.input == IMU != taken):
             self.gravity = GravityRemoval(gravity, common, parts[FrameSettings])
-            stages.append(gravity_stage(self.gravity, mountings))
+            stages.append(make.gravity(self.gravity, mountings))
             inputs += gravity_inputs(gravity.attitude)
         if 'integrator' in estimators:
             self.integrator = Integrator(parts[IntegratorSettings], common)
-            stages.append(integrator_stage(self.integrator, mountings))
+            stages.append(make.integrator(self.integrator, mountings))
         if counts:
             self.pedometer = Pedometer(pedometer, parts[pedometer.method_part])
             self.step_odometry = StepOdometry(pedometer, common)
-            stages.append(pedometer_stage(self.pedometer, self.step_odometry, mountings))
+            stages.append(make.pedometer(self.pedometer, self.step_odometry, mountings))
             made = {IMU} if self.gravity is not None and taken != IMU else set()
             inputs += [name for name in pedometer_inputs(pedometer) if name not in made]
         self.inputs = tuple(dict.fromkeys(inputs))
         self.chain = Chain([*stages, *more])
+
+
+class _Stages(NamedTuple):
+    gravity: Callable[[GravityRemoval, Mountings], Stage]
+    integrator: Callable[[Integrator, Mountings], Stage]
+    pedometer: Callable[[Pedometer, StepOdometry, Mountings], Stage]
+
+
+def _stages(blocks: bool) -> _Stages:
+    if not blocks:
+        return _Stages(gravity_stage, integrator_stage, pedometer_stage)
+    # Imported here: a live node has no use for it.
+    from dead_reckoning.core.block_stages import (
+        gravity_block_stage,
+        integrator_block_stage,
+        pedometer_block_stage,
+    )
+
+    return _Stages(gravity_block_stage, integrator_block_stage, pedometer_block_stage)

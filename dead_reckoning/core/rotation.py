@@ -11,6 +11,8 @@ from math import atan2, cos, hypot, isfinite, sin, sqrt
 from dead_reckoning.core.errors import NotFiniteError
 from dead_reckoning.core.samples import Matrix, Quaternion, Vector
 
+NO_ROTATION: Quaternion = (0.0, 0.0, 0.0, 0.0)
+
 
 def matrix_from_quaternion(quaternion: Quaternion) -> Matrix:
     """Turn a unit quaternion (x, y, z, w) into its rotation matrix, shape (3, 3)."""
@@ -86,12 +88,20 @@ def normalized(quaternion: Quaternion) -> Quaternion:
 
     Raises `NotFiniteError` for one that is no rotation: not finite, or all but zero.
     """
+    found = unit(quaternion)
+    if found == NO_ROTATION:
+        raise NotFiniteError(f'the orientation is {quaternion}, no rotation: check the driver')
+    return found
+
+
+def unit(quaternion: Quaternion) -> Quaternion:
+    """Return a quaternion (x, y, z, w) at unit length, as `normalized`; zeros for no rotation."""
     x, y, z, w = quaternion
     square = x * x + y * y + z * z + w * w
     if abs(square - 1.0) < 1e-9:
         return quaternion
     if not isfinite(square) or square < 1e-6:
-        raise NotFiniteError(f'the orientation is {quaternion}, no rotation: check the driver')
+        return NO_ROTATION
     scale = 1.0 / sqrt(square)
     return (x * scale, y * scale, z * scale, w * scale)
 

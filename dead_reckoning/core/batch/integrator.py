@@ -1,0 +1,143 @@
+"""Integrate a block: `Integrator` on columns."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from dead_reckoning.core.batch import NOTHING, Run
+from dead_reckoning.core.bias_growth import BiasGrowth
+from dead_reckoning.core.blocks import Array, LevelledBlock, StateBlock
+from dead_reckoning.core.chain import Output
+from dead_reckoning.core.integration.euler import Euler
+from dead_reckoning.core.integration.open_loop import OpenLoop
+from dead_reckoning.core.integrator import Integrator
+from dead_reckoning.core.kernels.bias_growth import Growth
+from dead_reckoning.core.kernels.columns import imu_columns, in_one_piece
+from dead_reckoning.core.kernels.integrator import (
+    Motion,
+    Rules,
+    StateColumns,
+    integrate,
+)
+from dead_reckoning.core.mounting import Mountings, is_turned
+from dead_reckoning.core.samples import ZERO, Vector
+from dead_reckoning.core.stages import ODOMETRY
+
+
+def integrator_run(integrator: Integrator, mountings: Mountings) -> Run:
+    """Return what integrates a block by trapezoids or Euler's method along two or three axes.
+
+    Left to the stream are: one axis, `kalman`, a calibration, a sensor that is turned on its body
+    or off its origin.
+    """
+
+    def run(block: LevelledBlock, begin: int) -> tuple[int, list[Output]]:
+        way, last_ns = integrator._integration, integrator._timeline._last_ns
+        if last_ns is None or integrator._window is not None or not isinstance(way, OpenLoop):
+            return NOTHING
+        if not isinstance(way._growth, BiasGrowth):
+            return NOTHING
+        frame_id = block.imu.frame_id
+        if is_turned(mountings, frame_id) or mountings(frame_id).translation != ZERO:
+            return NOTHING
+        if len(integrator._movement_end._recent) > integrator.settings.movement_end_samples:
+            return NOTHING
+        rules = _rules(integrator, way)
+        motion, growth = _motion(integrator, way), _growth(way._growth)
+        out = _room(len(block) - begin)
+        imu, acceleration = imu_columns(block.imu), in_one_piece(block.acceleration.acceleration)
+        end = integrate(imu, acceleration, begin, last_ns, rules, motion, growth, out)
+        if end == begin:
+            return NOTHING
+        integrator._timeline._last_ns = int(imu.stamp_ns[end - 1])
+        _leave_motion(integrator, way, motion)
+        _leave_growth(way._growth, growth)
+        states = StateBlock(block.stamp_ns[begin:], *out).part(0, end - begin)
+        return end - begin, [(ODOMETRY, states)]
+
+    return run
+
+
+def _room(count: int) -> StateColumns:
+    def rows(width: int) -> Array:
+        return np.empty((count, width))
+
+    flags = np.empty(count, np.bool_)
+    return StateColumns(
+        rows(3), rows(3), rows(4), rows(9), rows(9), rows(9), rows(3), rows(9), flags
+    )
+
+
+def _rules(integrator: Integrator, way: OpenLoop) -> Rules:
+    settings = integrator.settings
+    return Rules(
+        isinstance(way, Euler),
+        settings.movement_end != 'off',
+        settings.movement_end == 'each',
+        np.array([axis in integrator._axes for axis in range(3)]),
+        settings.window_minimum,
+        settings.window_maximum,
+        settings.movement_end_deviation,
+        settings.max_gap,
+        settings.stationary_deviation,
+        settings.scale_deviation,
+        integrator._attitude_fallback,
+        integrator._noise_fallback,
+        integrator._rate_fallback,
+    )
+
+
+def _motion(integrator: Integrator, way: OpenLoop) -> Motion:
+    movement_end = integrator._movement_end
+    count = len(movement_end._recent)
+    recent = np.empty((integrator.settings.movement_end_samples, 3))
+    recent[:count] = np.reshape(movement_end._recent, (count, 3))
+    return Motion(
+        np.array(way.position),
+        np.array(way.velocity),
+        np.array(way._acceleration),
+        np.array(integrator.offset),
+        np.array([integrator._stationary]),
+        np.array(movement_end._quiet, np.int64),
+        recent,
+        np.array([count - 1, count, movement_end._age], np.int64),
+        np.array(movement_end._sum),
+        np.array(movement_end._squares),
+    )
+
+
+def _leave_motion(integrator: Integrator, way: OpenLoop, motion: Motion) -> None:
+    way.position, way.velocity = _tuple(motion.position), _tuple(motion.velocity)
+    way._acceleration = _tuple(motion.acceleration)
+    integrator._stationary = bool(motion.stationary[0])
+    newest, count, age = motion.ring.tolist()
+    recent = np.roll(motion.recent, count - 1 - newest, axis=0)[:count]
+    movement_end = integrator._movement_end
+    movement_end._recent = deque((x, y, z) for x, y, z in recent.tolist())
+    movement_end._sum, movement_end._squares = motion.sums.tolist(), motion.squares.tolist()
+    movement_end._quiet, movement_end._age = motion.quiet.tolist(), age
+
+
+def _tuple(array: Array) -> Vector:
+    x, y, z = array.tolist()
+    return x, y, z
+
+
+def _growth(growth: BiasGrowth) -> Growth:
+    return Growth(
+        growth._sensitivity[:3],
+        growth._sensitivity[3:],
+        growth._sigma[:3, :3].flatten(),
+        growth._sigma[3:4, 3].copy(),
+        np.array([growth._pp, growth._pv, growth._vv]),
+        np.ones(3) if growth._mask is None else np.diag(growth._mask).copy(),
+        growth._jacobian,
+    )
+
+
+def _leave_growth(growth: BiasGrowth, left: Growth) -> None:
+    growth._pp, growth._pv, growth._vv = left.white.tolist()
+    growth._sigma[:3, :3] = left.attitude.reshape(3, 3)
+    growth._attitude_covariance = None
