@@ -12,6 +12,7 @@ import numpy as np
 from dead_reckoning.core.batch import NOTHING, Run
 from dead_reckoning.core.batch.gravity import level_run
 from dead_reckoning.core.batch.integrator import integrator_run
+from dead_reckoning.core.batch.pedometer import pedometer_run
 from dead_reckoning.core.blocks import ANY_BLOCK, BLOCKS, LevelledBlock, Stamped, StateBlock
 from dead_reckoning.core.chain import FAULT, Output, Stage
 from dead_reckoning.core.errors import DeadReckoningError
@@ -23,6 +24,8 @@ from dead_reckoning.core.stages import (
     LEVELLED,
     ODOMETRY,
     STATIONARY,
+    TOTALS,
+    StepOutputs,
     gravity_input,
     gravity_stage,
     integrator_stage,
@@ -71,7 +74,10 @@ def pedometer_block_stage(
     pedometer: Pedometer, odometry: StepOdometry, mountings: Mountings = unmounted
 ) -> Stage:
     """Give what `pedometer_stage` gives, in blocks."""
-    return blockwise(pedometer_stage(pedometer, odometry, mountings))
+    says = StepOutputs(pedometer, odometry)
+    run = pedometer_run(pedometer, odometry, says, mountings)
+    stage = pedometer_stage(pedometer, odometry, mountings, says)
+    return {**blockwise(stage, {pedometer.settings.input: run}), TOTALS: stage[TOTALS]}
 
 
 def _changes(states: StateBlock, said: bool | None) -> list[Output]:

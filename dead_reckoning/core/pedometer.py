@@ -325,11 +325,15 @@ class Pedometer:
         use_x, use_y, use_z = self._use
         for cell_ns, (x, y, z) in self._resampler.add(stamp_ns, force):
             magnitude = sqrt(use_x * x * x + use_y * y * y + use_z * z * z)
-            walked = self._detector.walking
-            for step in self._detector.update(cell_ns, magnitude):
-                states.append(self._count(step))
-            if walked and not self._detector.walking:
-                self._say_end(cell_ns, states)
+            states.extend(self.advance(cell_ns, magnitude))
+
+    def advance(self, stamp_ns: int, magnitude: float) -> list[PedometerState]:
+        """Take the next magnitude [m/s²], at the rate of the method; return what it proves."""
+        walked = self._detector.walking
+        states = [self._count(step) for step in self._detector.update(stamp_ns, magnitude)]
+        if walked and not self._detector.walking:
+            self._say_end(stamp_ns, states)
+        return states
 
     def _break_off(self, stamp_ns: int, states: list[PedometerState]) -> None:
         if self._detector.walking:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from dead_reckoning.core.chain import FAULT, NOTICE, Output, Stage
 from dead_reckoning.core.errors import GapError, RestartError, SampleError
 from dead_reckoning.core.gravity import GravityRemoval, Levelled
@@ -150,22 +152,48 @@ def pedometer_inputs(settings: PedometerSettings) -> tuple[str, ...]:
     return (settings.input,)
 
 
-def pedometer_stage(
-    pedometer: Pedometer, odometry: StepOdometry, mountings: Mountings = unmounted
-) -> Stage:
-    """Take an Imu and the compass; give the totals on change, and the way at each step."""
-    said: dict[str, float] = {}
+class StepOutputs:
+    """Give the totals of a pedometer as they change, and the way at each step."""
 
-    def changes(totals: Pedometer | PedometerState) -> list[Output]:
+    def __init__(self, pedometer: Pedometer, odometry: StepOdometry) -> None:
+        self._pedometer = pedometer
+        self._odometry = odometry
+        self._said: dict[str, float] = {}
+
+    def of(self, states: Iterable[PedometerState]) -> list[Output]:
+        """Return what comes of states, at first the totals too."""
+        outputs: list[Output] = []
+        for state in states:
+            outputs.extend(self._changes(state))
+            walked = self._odometry.update(state)
+            if walked is not None:
+                outputs.append((STEP_ODOMETRY, walked))
+        return outputs if self._said else outputs + self.changes()
+
+    def changes(self) -> list[Output]:
+        """Return the totals that are others than those that came out last."""
+        return self._changes(self._pedometer)
+
+    def _changes(self, totals: Pedometer | PedometerState) -> list[Output]:
         now: dict[str, float] = {
             STEPS: totals.steps,
             DISTANCE: totals.distance,
             STEP_LENGTH: totals.step_length,
             CADENCE: totals.cadence,
         }
-        new: list[Output] = [(name, now[name]) for name in now if said.get(name) != now[name]]
-        said.update(now)
+        new: list[Output] = [(n, now[n]) for n in now if self._said.get(n) != now[n]]
+        self._said.update(now)
         return new
+
+
+def pedometer_stage(
+    pedometer: Pedometer,
+    odometry: StepOdometry,
+    mountings: Mountings = unmounted,
+    says: StepOutputs | None = None,
+) -> Stage:
+    """Take an Imu and the compass; give the totals on change, and the way at each step."""
+    steps = says or StepOutputs(pedometer, odometry)
 
     def count(imu: ImuSample) -> list[Output]:
         imu = mountings(imu.frame_id).to_body(imu)
@@ -180,14 +208,7 @@ def pedometer_stage(
             odometry.take_orientation(imu)
         except SampleError as error:
             outputs.append((FAULT, error))
-        for state in states:
-            outputs.extend(changes(state))
-            walked = odometry.update(state)
-            if walked is not None:
-                outputs.append((STEP_ODOMETRY, walked))
-        if not said:
-            outputs.extend(changes(pedometer))
-        return outputs
+        return outputs + steps.of(states)
 
     def turn(imu: ImuSample) -> tuple[()]:
         odometry.take_compass(imu)
@@ -196,7 +217,7 @@ def pedometer_stage(
     return {
         pedometer.settings.input: count,
         COMPASS: turn,
-        TOTALS: lambda _: changes(pedometer),
+        TOTALS: lambda _: steps.changes(),
     }
 
 

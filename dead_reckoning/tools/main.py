@@ -16,6 +16,10 @@ COMMANDS = {
         'dead_reckoning.tools.reference.command',
         "run a document's own program, exact to the bit, on counts from a CSV file",
     ),
+    'warmup': (
+        'dead_reckoning.tools.warmup',
+        'compile what replays use, and keep it, so that the first one does not have to',
+    ),
 }
 """Commands by name: the module, which offers `add_arguments` and `main`, and what it is for."""
 

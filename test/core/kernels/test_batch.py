@@ -23,7 +23,23 @@ CHAINS = {
         'integrator.movement_end_samples': 3,
     },
     'estimate': {'gravity.attitude': 'estimate'},
-    'pedometer beside it': {'pipeline.estimators': ['integrator', 'pedometer']},
+    'with a pedometer': {'pipeline.estimators': ['integrator', 'pedometer']},
+    'pedometer': {
+        'pipeline.estimators': ['pedometer'],
+        'pedometer.reorder_time': 0.0,
+        'pedometer.axes': ['x', 'y'],
+    },
+    'message, pedometer': {
+        'gravity.attitude': 'message',
+        'pipeline.estimators': ['integrator', 'pedometer'],
+        'pedometer.input': 'imu/data',
+    },
+    'message, pedometer along the orientation': {
+        'gravity.attitude': 'message',
+        'pipeline.estimators': ['pedometer'],
+        'pedometer.input': 'imu/data',
+        'pedometer.heading': 'orientation',
+    },
 }
 
 

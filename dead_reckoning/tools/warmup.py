@@ -1,0 +1,61 @@
+"""Compile all kernels, and keep them: `dead-reckoning warmup`."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import Any
+
+import numpy as np
+
+from dead_reckoning.configuration import Configuration
+from dead_reckoning.core.blocks import ImuBlock
+from dead_reckoning.core.kernels import SLOW, accelerated
+from dead_reckoning.core.pipeline import Pipeline
+from dead_reckoning.core.samples import NANOSECONDS
+
+CHAINS: tuple[dict[str, Any], ...] = (
+    {'gravity.attitude': 'rest', 'pipeline.estimators': ['integrator', 'pedometer']},
+    {'gravity.attitude': 'message', 'pipeline.estimators': ['integrator']},
+    {'gravity.attitude': 'estimate', 'pipeline.estimators': ['integrator']},
+)
+"""Settings of chains that together use all kernels."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Take none."""
+
+
+def main(given: argparse.Namespace) -> int:
+    """Compile, and say how long it took; return the exit status."""
+    begin = time.perf_counter()
+    if not accelerated():
+        print(SLOW)
+        return 1
+    warm_up()
+    print(f'all kernels are compiled and kept: {time.perf_counter() - begin:.1f} s')
+    return 0
+
+
+def warm_up() -> None:
+    """Take each chain through two seconds of rest, which compiles what is not kept yet."""
+    block = rest(200)
+    for values in CHAINS:
+        pipeline = Pipeline(Configuration(values), blocks=True)
+        for name in pipeline.inputs[:1]:
+            pipeline.chain.push(name, block)
+
+
+def rest(count: int) -> ImuBlock:
+    """Return samples of an Imu at rest, 100 a second."""
+    nothing = np.zeros((count, 9))
+    return ImuBlock(
+        (1 + np.arange(count)) * (NANOSECONDS // 100),
+        'imu_link',
+        np.tile((0.0, 0.0, 9.8), (count, 1)),
+        nothing,
+        np.zeros((count, 3)),
+        nothing,
+        np.tile((0.0, 0.0, 0.0, 1.0), (count, 1)),
+        nothing,
+    )
