@@ -107,7 +107,7 @@ def check_up_axis(specific_force: Vector) -> None:
     if angle > UP_AXIS_TOLERANCE:
         raise MountingError(
             f'at rest the specific force is {angle:.0f}° off the up axis (z): if the sensor is '
-            'mounted that way, say so by frames.mounting_rotation; else the sign is turned (at '
-            'rest +g belongs on the up axis), the device is upside down, or its axes or attitude '
-            'are NED where ENU is meant'
+            'mounted that way, say so by frames.mounting_rotation, or in TF where frames.mounting '
+            'is tf; else the sign is turned (at rest +g belongs on the up axis), the device is '
+            'upside down, or its axes or attitude are NED where ENU is meant'
         )

@@ -9,13 +9,18 @@ from collections.abc import Callable, Iterable, Mapping
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from dead_reckoning.core.errors import DeadReckoningError, NotLevelledError, SampleError
+from dead_reckoning.core.errors import (
+    DeadReckoningError,
+    MissingMountingError,
+    NotLevelledError,
+    SampleError,
+)
 
 REPEAT = 30.0
 """A fault that goes on is logged again after this time [s], with how often it came."""
 
 PATIENCE = 2.0
-"""How long [s] waiting for rest, at the start or anew, goes without a word."""
+"""How long [s] waiting for rest or a mounting, at the start or anew, goes without a word."""
 
 
 class Diagnostics:
@@ -42,7 +47,7 @@ class Diagnostics:
         self._recent: dict[str, DeadReckoningError] = {}
         self._said: dict[str, tuple[float, int]] = {}
         self._state: DeadReckoningError | None = None
-        self._waiting_since: float | None = None
+        self._waiting_since: dict[str, float] = {}
         self.samples = 0
         """Samples taken in so far."""
         self.dropped = 0
@@ -56,12 +61,13 @@ class Diagnostics:
             return
         self._recent[kind] = error
         now = time.monotonic()
-        if isinstance(error, NotLevelledError):
-            self._waiting_since = self._waiting_since or now
-            if now - self._waiting_since < PATIENCE:
-                return
-        elif isinstance(error, SampleError):
+        if isinstance(error, SampleError) and not isinstance(error, NotLevelledError):
             self.dropped += 1
+        if (
+            isinstance(error, (MissingMountingError, NotLevelledError))
+            and now - self._waiting_since.setdefault(kind, now) < PATIENCE
+        ):
+            return
         last, count = self._said.get(kind, (-REPEAT, 0))
         if now - last < REPEAT:
             return
@@ -89,8 +95,8 @@ class Diagnostics:
     def publish(self) -> None:
         """Publish counts, figures and the level since the last time."""
         events, self._recent = self._recent, {}
-        if NotLevelledError.__name__ not in events:
-            self._waiting_since = None
+        for over in self._waiting_since.keys() - events.keys():
+            del self._waiting_since[over]
         for finding in self._findings():
             self.fault(finding)
         self._recent.update(events)  # what lasts explains what came of it, so it stands first
