@@ -106,6 +106,7 @@ def test_an_unplugged_board_is_said_once_and_read_on_when_it_is_back(ros, board)
         shown = figures(state(ros, 'reading', OK))
         assert int(shown['LostPortError']) == time_
         assert node.stderr.count('the port is gone') == time_
+        assert node.stderr.count(f'{board.port}: LostPortError is over') == time_
     ros.diagnostics().until(DRIVER, lambda s: figures(s)['reconnections'] == '2', 'two returns')
     assert all(b > a for a, b in pairwise(raw.stamps))
     assert 'Traceback' not in node.stderr
@@ -172,6 +173,7 @@ def test_nothing_but_garbage_is_a_port_without_readings(ros, board):
     wire.line = LEVEL
     state(ros, 'reading', OK)
     assert node.stderr.count('no reading has come') == 1
+    assert node.stderr.count('SilentPortError is over') == 1
 
 
 def test_a_board_that_falls_silent_is_said_and_comes_back(ros, board):

@@ -30,6 +30,11 @@ def well(status):
     return status.level == DiagnosticStatus.OK
 
 
+def lines(node, word=''):
+    """Return the lines of a node's log that hold a word."""
+    return [line for line in node.stderr.splitlines() if word in line]
+
+
 class Said:
     """The latest thing that one node says on /diagnostics."""
 
@@ -63,15 +68,37 @@ def imu_feed(ros, topic):
     ],
 )
 def test_an_imu_that_stops_is_a_warning_until_it_is_back(ros, name, parameters, topic):
-    ros.start(name, {**QUICK, **parameters})
+    node = ros.start(name, {**QUICK, **parameters})
     said = Said(ros, name)
     feed = imu_feed(ros, topic)
     said.until(lambda s: well(s) and s.message == 'running', 'running', feed.send)
     words = (f'no message on /{topic} for ', ' s: its publisher /test is silent', 'paused bag')
     said.until(lambda s: names(s, 'SilentInputError', *words), 'silence')
     again = said.until(lambda s: names(s, 'SilentInputError', *words), 'silence that lasts')
-    assert int(figures(again)['SilentInputError']) > 1
+    assert figures(again)['SilentInputError'] == '1', 'counted once'
     said.until(well, 'well again', feed.send)
+    begun, ended = lines(node, topic)
+    assert '[WARN]' in begun
+    assert f'/{topic}: SilentInputError is over' in ended
+
+
+def test_a_topic_that_is_too_slow_is_said_once(ros):
+    """A single message does not end a silence, or each would begin another."""
+    node = ros.start('gravity_removal', {'common.input_timeout': 0.5})
+    said = Said(ros, 'gravity_removal')
+    feed = imu_feed(ros, 'imu/data_raw')
+    said.until(lambda s: well(s) and s.message == 'running', 'running', feed.send)
+    words = ('no message on', 'raise common.input_timeout')
+    begun = said.until(lambda s: names(s, 'SilentInputError', *words), 'silence')
+    log = lines(node)
+    for _ in range(3):
+        feed.send()
+        for _ in range(2):  # so that the next message comes more than a second later
+            status = said.until(lambda _: True, 'anything')
+            assert names(status, 'SilentInputError', *words)
+    assert figures(status)['SilentInputError'] == figures(begun)['SilentInputError']
+    assert lines(node) == log
+    said.until(well, 'well', feed.send)
 
 
 def test_an_imu_whose_driver_is_gone_is_told_apart(ros):
@@ -85,7 +112,7 @@ def test_an_imu_whose_driver_is_gone_is_told_apart(ros):
     )
     assert 'start the driver of the sensor' in status.message
     assert status.level == DiagnosticStatus.WARN
-    (line,) = [line for line in node.stderr.splitlines() if 'no message on' in line]
+    (line,) = lines(node, 'no message on')
     assert '[WARN]' in line
 
 
@@ -145,9 +172,10 @@ def test_a_publisher_that_can_not_be_heard_is_said_once_with_the_policy(ros):
     assert 'best effort publisher and reliable subscription' in status.message
     assert 'qos_overrides./imu/data_raw' in status.message
     said.until(lambda s: names(s, 'MismatchError'), 'mismatch that lasts')
-    assert len(node.stderr.splitlines()) == 1, 'said once'
+    assert len(lines(node)) == 1, 'said once'
     ros.node.destroy_publisher(publisher)
     said.until(well, 'well again')
+    assert 'to /gravity_removal: MismatchError is over' in lines(node)[1]
 
 
 @pytest.mark.parametrize(
