@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from messages import NANOSECONDS, clock_message
 from nav_msgs.msg import Odometry
 from ros_harness import EXECUTORS, NodeProcess, figures
 from rosgraph_msgs.msg import Clock
@@ -251,13 +252,8 @@ def test_under_simulated_time_readings_wait_for_a_clock_and_take_its_time(ros, b
     assert '/clock' in said.message
     assert not raw.messages
     clock = ros.publisher('/clock', Clock)
-    now = Clock()
-    now.clock.sec = 1000
-
-    def tell():
-        clock.publish(now)
-
-    ros.node.create_timer(0.05, tell)
+    now = clock_message(1000 * NANOSECONDS)
+    ros.node.create_timer(0.05, lambda: clock.publish(now))
     raw.wait(20)  # the clock stands, and stamps rise all the same
     assert all(b > a for a, b in pairwise(raw.stamps))
     assert 999.9e9 < raw.stamps[0] < raw.latest_stamp < 1000.1e9

@@ -1,9 +1,18 @@
 """What does not come is said on /diagnostics as long as it lacks, with the remedy."""
 
+from itertools import count
+
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import AccelWithCovarianceStamped
-from messages import GRAVITY, NANOSECONDS, Feed, acceleration_message, imu_message
+from messages import (
+    GRAVITY,
+    NANOSECONDS,
+    Feed,
+    acceleration_message,
+    clock_message,
+    imu_message,
+)
 from nav_msgs.msg import Odometry
 from rclpy.duration import Duration
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
@@ -225,14 +234,10 @@ def test_a_clock_that_lacks_or_stands_is_said(ros):
     status = said.until(lambda s: names(s, 'ClockError', 'no /clock came'), 'no clock')
     assert 'play the bag with --clock' in status.message
     clock = ros.publisher('/clock', Clock)
-    message = Clock()
-    message.clock.sec = 100
+    times = count(100 * NANOSECONDS, 5_000_000)
 
     def tick():
-        message.clock.nanosec += 5_000_000
-        message.clock.sec += message.clock.nanosec // NANOSECONDS
-        message.clock.nanosec %= NANOSECONDS
-        clock.publish(message)
+        clock.publish(clock_message(next(times)))
 
     said.until(lambda s: well(s) and s.message == 'running', 'running', tick)
     said.until(lambda s: names(s, 'ClockError', '/clock has stood at 10'), 'a clock that stands')
