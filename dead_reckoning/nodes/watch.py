@@ -19,6 +19,9 @@ from dead_reckoning.core.errors import (
 )
 from dead_reckoning.nodes.diagnostics import Finding
 
+NAMELESS = '_NODE_NAME_UNKNOWN_'
+"""What rcl calls the node of an endpoint that it has discovered before the node."""
+
 
 class Input:
     """One subscribed topic, and what came on it."""
@@ -135,6 +138,8 @@ class TopicWatch:
             topic = self._node.resolve_topic_name(name)
             for publisher, subscription in product(publishers, subscriptions):
                 if self._is_ours(publisher) == self._is_ours(subscription):
+                    continue
+                if NAMELESS in (publisher.node_name, subscription.node_name):
                     continue
                 why = _difference(publisher, subscription)
                 if why:
