@@ -1,6 +1,7 @@
 """Messages as tests send them."""
 
 from geometry_msgs.msg import AccelWithCovarianceStamped
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 
 GRAVITY = 9.80665
@@ -39,6 +40,13 @@ def acceleration_message(stamp_ns, acceleration):
     """Return a linear acceleration [m/s²] in the world."""
     message = stamped(AccelWithCovarianceStamped(), stamp_ns, 'odom')
     fill(message.accel.accel.linear, 'xyz', acceleration)
+    return message
+
+
+def clock_message(now_ns):
+    """Return what /clock says at a time."""
+    message = Clock()
+    message.clock.sec, message.clock.nanosec = divmod(now_ns, NANOSECONDS)
     return message
 
 

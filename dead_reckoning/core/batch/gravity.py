@@ -32,10 +32,10 @@ def level_run(removal: GravityRemoval, mountings: Mountings) -> Run:
         if is_turned(mountings, block.frame_id):
             return NOTHING
         imu, out = imu_columns(block), _room(len(block) - begin)
-        end = begin
+        gravity, end = (removal.gravity, removal._gravity_variance), begin
         if isinstance(source, MessageAttitude):
             end = level_message(
-                imu, begin, last_ns, source._fallback, removal.gravity, removal._noise, out
+                imu, begin, last_ns, source._fallback, gravity, removal._noise, out
             )
         elif isinstance(source, HeldAttitude) and source.attitude and _unaided(removal, source):
             end = level_held(
@@ -44,7 +44,7 @@ def level_run(removal: GravityRemoval, mountings: Mountings) -> Run:
                 last_ns,
                 source.attitude,
                 source.covariance,
-                removal.gravity,
+                gravity,
                 removal._noise,
                 out,
             )

@@ -47,11 +47,20 @@ def integrator_run(integrator: Integrator, mountings: Mountings) -> Run:
         rules = _rules(integrator, way)
         motion, growth = _motion(integrator, way), _growth(way._growth)
         out = _room(len(block) - begin)
-        imu, acceleration = imu_columns(block.imu), in_one_piece(block.acceleration.acceleration)
-        end = integrate(imu, acceleration, begin, last_ns, rules, motion, growth, out)
+        end = integrate(
+            imu_columns(block.imu),
+            in_one_piece(block.acceleration.acceleration),
+            in_one_piece(block.acceleration.covariance),
+            begin,
+            last_ns,
+            rules,
+            motion,
+            growth,
+            out,
+        )
         if end == begin:
             return NOTHING
-        integrator._timeline._last_ns = int(imu.stamp_ns[end - 1])
+        integrator._timeline._last_ns = int(block.stamp_ns[end - 1])
         _leave_motion(integrator, way, motion)
         _leave_growth(way._growth, growth)
         states = StateBlock(block.stamp_ns[begin:], *out).part(0, end - begin)
@@ -131,6 +140,7 @@ def _growth(growth: BiasGrowth) -> Growth:
         growth._sensitivity[3:],
         growth._sigma[:3, :3].flatten(),
         growth._sigma[3:4, 3].copy(),
+        growth._sigma[4:5, 4].copy(),
         np.array([growth._pp, growth._pv, growth._vv]),
         np.ones(3) if growth._mask is None else np.diag(growth._mask).copy(),
         growth._jacobian,
@@ -140,4 +150,5 @@ def _growth(growth: BiasGrowth) -> Growth:
 def _leave_growth(growth: BiasGrowth, left: Growth) -> None:
     growth._pp, growth._pv, growth._vv = left.white.tolist()
     growth._sigma[:3, :3] = left.attitude.reshape(3, 3)
+    growth._sigma[3, 3] = left.gravity_variance[0]
     growth._attitude_covariance = None

@@ -14,17 +14,19 @@ from dead_reckoning.core.samples import Matrix, Vector
 class Growth(NamedTuple):
     """State and settings of a `BiasGrowth`.
 
-    ``position``, ``velocity``   shapes (3, 6): their sensitivities to (θ, b).
+    ``position``, ``velocity``   shapes (3, 7): their sensitivities to (θ, γ, b).
     ``attitude``          shape (9,) [rad²]: covariance of the attitude at the last step.
+    ``gravity_variance``  shape (1,) [m²/s⁴]: that of γ at the last step.
     ``offset_variance``   shape (1,) [m²/s⁴].
     ``white``             shape (3,): variances pp, pv, vv of white noise.
     ``moves``             shape (3,): 1 for the axes of the sensor along which the body moves.
-    ``jacobian``          shape (3, 6): room for that of one step.
+    ``jacobian``          shape (3, 7): room for that of one step.
     """
 
     position: Array
     velocity: Array
     attitude: Array
+    gravity_variance: Array
     offset_variance: Array
     white: Array
     moves: Array
@@ -32,7 +34,13 @@ class Growth(NamedTuple):
 
 
 def grow(
-    growth: Growth, dt: float, rot_ws: Matrix, force_w: Vector, attitude: Matrix, noise: Matrix
+    growth: Growth,
+    dt: float,
+    rot_ws: Matrix,
+    force_w: Vector,
+    attitude: Matrix,
+    noise: Matrix,
+    gravity_variance: float,
 ) -> None:
     """Grow over one sample: `BiasGrowth.step`."""
     position, velocity, jacobian = growth.position, growth.velocity, growth.jacobian
@@ -40,6 +48,7 @@ def grow(
     known[0], known[1], known[2], known[3], known[4], known[5], known[6], known[7], known[8] = (
         attitude
     )
+    growth.gravity_variance[0] = gravity_variance
     _write_jacobian(jacobian, rot_ws, force_w, growth.moves)
     for row in range(jacobian.shape[0]):
         for column in range(jacobian.shape[1]):
@@ -79,29 +88,32 @@ def covariance(sensitivity: Array, growth: Growth, white: float) -> Matrix:
 
     ``white`` is the variance of each axis that adds to it.
     """
-    s, p, v = sensitivity, growth.attitude, growth.offset_variance[0]
+    s, p = sensitivity, growth.attitude
+    g, v = growth.gravity_variance[0], growth.offset_variance[0]
     xx, xy, xz, _, yy, yz, _, _, zz = similarity(
         (s[0, 0], s[0, 1], s[0, 2], s[1, 0], s[1, 1], s[1, 2], s[2, 0], s[2, 1], s[2, 2]),
         (p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8]),
     )
     oxx, oxy, oxz, _, oyy, oyz, _, _, ozz = similarity(
-        (s[0, 3], s[0, 4], s[0, 5], s[1, 3], s[1, 4], s[1, 5], s[2, 3], s[2, 4], s[2, 5]),
+        (s[0, 4], s[0, 5], s[0, 6], s[1, 4], s[1, 5], s[1, 6], s[2, 4], s[2, 5], s[2, 6]),
         (v, 0.0, 0.0, 0.0, v, 0.0, 0.0, 0.0, v),
     )
     always = white + FLOOR
-    xx, yy, zz = xx + oxx + always, yy + oyy + always, zz + ozz + always
-    xy, xz, yz = xy + oxy, xz + oxz, yz + oyz
+    x, y, z = s[0, 3], s[1, 3], s[2, 3]
+    xx, xy, xz = xx + g * x * x + oxx + always, xy + g * x * y + oxy, xz + g * x * z + oxz
+    yy, yz, zz = yy + g * y * y + oyy + always, yz + g * y * z + oyz, zz + g * z * z + ozz + always
     return xx, xy, xz, xy, yy, yz, xz, yz, zz
 
 
 def _write_jacobian(out: Array, rot_ws: Matrix, force_w: Vector, moves: Array) -> None:
-    """Write how θ and b add to the acceleration: `acceleration_error.write_jacobian`."""
+    """Write how θ, γ and b add to the acceleration: `acceleration_error.write_jacobian`."""
     x, y, z = force_w
     _write_cross(out, -x, -y, -z)
     a, b, c, d, e, f, g, h, i = rot_ws
-    out[0, 3], out[0, 4], out[0, 5] = a, b, c
-    out[1, 3], out[1, 4], out[1, 5] = d, e, f
-    out[2, 3], out[2, 4], out[2, 5] = g, h, i
+    out[0, 3], out[1, 3], out[2, 3] = 0.0, 0.0, -1.0
+    out[0, 4], out[0, 5], out[0, 6] = a, b, c
+    out[1, 4], out[1, 5], out[1, 6] = d, e, f
+    out[2, 4], out[2, 5], out[2, 6] = g, h, i
     if moves[0] + moves[1] + moves[2] == 3.0:
         return
     a, b, c, d, e, f, g, h, i = similarity(

@@ -46,14 +46,14 @@ def level_held(
     last_ns: int,
     attitude: Quaternion,
     tilt: Matrix,
-    gravity: float,
+    gravity: tuple[float, float],
     noise_fallback: Matrix,
     out: LevelledColumns,
 ) -> int:
     """Remove gravity with one attitude for all; return the end of what is regular.
 
-    ``attitude`` and its covariance ``tilt`` are those of `HeldAttitude`; row 0 of ``out`` is row
-    ``begin`` of ``imu``.
+    ``attitude`` and its covariance ``tilt`` are those of `HeldAttitude`, ``gravity`` is its
+    magnitude [m/s²] and the variance of that; row 0 of ``out`` is row ``begin`` of ``imu``.
     """
     rot_ws = matrix_from_quaternion(attitude)
     for i in range(begin, len(imu.stamp_ns)):
@@ -76,7 +76,7 @@ def level_message(
     begin: int,
     last_ns: int,
     tilt_fallback: Matrix,
-    gravity: float,
+    gravity: tuple[float, float],
     noise_fallback: Matrix,
     out: LevelledColumns,
 ) -> int:
@@ -115,13 +115,13 @@ def _level(
     force_s: Vector,
     tilt: Matrix,
     noise: Matrix,
-    gravity: float,
+    gravity: tuple[float, float],
 ) -> None:
     """Write one acceleration and its covariance, by the equations of `GravityRemoval`."""
     x, y, z = force_w = rotate(rot_ws, force_s)
-    put_vector(out.acceleration, row, (x, y, z - gravity))
+    magnitude, variance = gravity
+    put_vector(out.acceleration, row, (x, y, z - magnitude))
     a, b, c, _, e, f, _, _, i = cross_covariance(force_w, tilt)
     p, q, r, _, t, u, _, _, w = rotate_covariance(rot_ws, noise)
-    put_matrix(
-        out.covariance, row, (a + p, b + q, c + r, b + q, e + t, f + u, c + r, f + u, i + w)
-    )
+    xx, xy, xz, yy, yz, zz = a + p, b + q, c + r, e + t, f + u, i + w + variance
+    put_matrix(out.covariance, row, (xx, xy, xz, xy, yy, yz, xz, yz, zz))

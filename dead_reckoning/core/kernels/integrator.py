@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dead_reckoning.core.acceleration_error import gravity_variance
 from dead_reckoning.core.checks import is_measurable
 from dead_reckoning.core.integrator import scaled
 from dead_reckoning.core.kernels import compiled
@@ -108,6 +110,7 @@ class StateColumns(NamedTuple):
 def integrate(
     imu: ImuColumns,
     acceleration: Array,
+    acceleration_covariance: Array,
     begin: int,
     last_ns: int,
     rules: Rules,
@@ -125,11 +128,12 @@ def integrate(
     overlooked = rules.stationary_deviation * rules.stationary_deviation
     for i in range(begin, len(imu.stamp_ns)):
         dt = (imu.stamp_ns[i] - last_ns) / NANOSECONDS
-        accel_w = vector(acceleration, i)
+        accel_w, vertical = vector(acceleration, i), acceleration_covariance[i, 8]
         if not (
             imu.stamp_ns[i] > last_ns
             and dt <= rules.max_gap
             and is_measurable(accel_w)
+            and isfinite(vertical)
             and measured(imu.orientation_covariance, i)
             and usable(imu, i)
         ):
@@ -158,10 +162,14 @@ def integrate(
         if not motion.stationary[0] or triple(kept_s) != ZERO:
             _step(dt, motion.position, motion.velocity, motion.acceleration, kept_w, rules.euler)
             noise = matrix(imu.force_covariance, i)
-            if is_unknown(noise) or noise[0] < 0.0:
+            elsewhere = noise[0] < 0.0
+            if is_unknown(noise) or elsewhere:
                 noise = rules.noise_fallback
+            gravity = 0.0
+            if not elsewhere:
+                gravity = gravity_variance(accel_w, vertical, rot_ws, attitude, noise)
             x, y, z = accel_w
-            grow(growth, dt, rot_ws, (x, y, z + GRAVITY), attitude, noise)
+            grow(growth, dt, rot_ws, (x, y, z + GRAVITY), attitude, noise, gravity)
         put(motion.acceleration, triple(kept_w))
         motion.stationary[0] = rules.ends and _check_movement_end(
             motion, growth, rules.moves, rules.each, kept_s, rot_ws

@@ -52,7 +52,7 @@ def resample(
     Returns the ends of what is regular and of what was released, and the number of cells.  The
     rows before wait already, and those that come wait too, until the newest stamp is ``hold_ns``
     ahead or ``limit`` are behind them (`StampOrder`); ``newest_ns`` is the newest at the start.
-    Irregular is what is refused or out of order, and a gap over ``max_gap_ns`` in what is released.
+    Irregular is what is refused or out of order, and a gap over ``max_gap_ns`` in the released.
     """
     released = made = 0
     for i in range(waiting, len(stamps)):
