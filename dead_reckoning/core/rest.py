@@ -80,6 +80,12 @@ class RestWindow:
             )
         return Rest(mean, spread, n, _covariance_of_mean(vectors))
 
+    def extend(self, stamps: NDArray[np.int64], vectors: NDArray[np.float64]) -> None:
+        """Take samples, shapes (n,) and (n, 3), that do not fill the window."""
+        if not self._values:
+            self._start_ns = int(stamps[0])
+        self._values.frombytes(vectors.tobytes())
+
 
 def _covariance_of_mean(vectors: NDArray[np.float64]) -> Matrix:
     """Say how well the mean of n vectors, shape (n, 3), is known, though each resembles the next.

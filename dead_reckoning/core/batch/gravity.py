@@ -3,80 +3,200 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import sqrt
 
 import numpy as np
 
+from dead_reckoning.core.attitude.estimated import EstimatedAttitude
 from dead_reckoning.core.attitude.held import HeldAttitude
 from dead_reckoning.core.attitude.message import MessageAttitude
 from dead_reckoning.core.batch import NOTHING, Run
-from dead_reckoning.core.blocks import AccelerationBlock, ImuBlock, LevelledBlock
+from dead_reckoning.core.blocks import AccelerationBlock, Array, ImuBlock, LevelledBlock
 from dead_reckoning.core.chain import Output
 from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.kernels.columns import imu_columns
+from dead_reckoning.core.kernels.estimated import Estimate, EstimateRules, level_estimated
 from dead_reckoning.core.kernels.gravity import LevelledColumns, level_held, level_message
 from dead_reckoning.core.mounting import Mountings, is_turned
+from dead_reckoning.core.rest import RestWindow
+from dead_reckoning.core.rotation import isotropic
 from dead_reckoning.core.stages import ACCELERATION, IMU, LEVELLED
 
 
 def level_run(removal: GravityRemoval, mountings: Mountings) -> Run:
-    """Return what levels a block with an attitude that is held, or that comes with it.
+    """Return what removes gravity from a block.
 
-    Left to the stream are: the search for rest, a compass, a sensor that is turned on its body.
+    Left to the stream are: the search for rest, the sample that ends a rest of the gyro, a
+    compass, a sensor that is turned on its body.
     """
     source = removal._attitude
 
     def run(block: ImuBlock, begin: int) -> tuple[int, list[Output]]:
         last_ns = removal._timeline._last_ns
-        if removal._search is not None or removal._stale or last_ns is None:
+        if (
+            last_ns is None
+            or removal._search is not None
+            or removal._compass._last is not None
+            or removal._stale
+            or is_turned(mountings, block.frame_id)
+        ):
             return NOTHING
-        if is_turned(mountings, block.frame_id):
-            return NOTHING
-        imu, out = imu_columns(block), _room(len(block) - begin)
-        gravity, end = (removal.gravity, removal._gravity_variance), begin
         if isinstance(source, MessageAttitude):
-            end = level_message(
-                imu, begin, last_ns, source._fallback, gravity, removal._noise, out
-            )
-        elif isinstance(source, HeldAttitude) and source.attitude and _unaided(removal, source):
-            end = level_held(
-                imu,
-                begin,
-                last_ns,
-                source.attitude,
-                source.covariance,
-                gravity,
-                removal._noise,
-                out,
-            )
-        if end == begin:
+            levelled = _level_message(removal, source, block, begin, last_ns)
+        elif isinstance(source, HeldAttitude):
+            levelled = _level_held(removal, source, block, begin, last_ns)
+        elif isinstance(source, EstimatedAttitude):
+            levelled = _level_estimated(removal, source, block, begin, last_ns)
+        if not len(levelled):
             return NOTHING
-        removal._timeline._last_ns = int(block.stamp_ns[end - 1])
-        part = block.part(begin, end)
-        out = LevelledColumns(*(column[: end - begin] for column in out))
-        acceleration = AccelerationBlock(
-            part.stamp_ns, removal._world_frame, out.acceleration, out.covariance
-        )
-        if isinstance(source, MessageAttitude):
-            source.advance(block.sample(end - 1), None)
-            return end - begin, _outputs(part, acceleration)
-        levelled = replace(
-            part,
-            specific_force_covariance=out.force_covariance,
-            orientation=out.orientation,
-            orientation_covariance=out.orientation_covariance,
-        )
-        return end - begin, [(IMU, levelled), *_outputs(levelled, acceleration)]
+        removal._timeline._last_ns = int(levelled.stamp_ns[-1])
+        outputs = [(ACCELERATION, levelled.acceleration), (LEVELLED, levelled)]
+        if not isinstance(source, MessageAttitude):
+            outputs.append((IMU, levelled.imu))
+        return len(levelled), outputs
 
     return run
 
 
-def _unaided(removal: GravityRemoval, source: HeldAttitude) -> bool:
-    return source._yaw is None and removal._compass._last is None
+def _level_message(
+    removal: GravityRemoval, source: MessageAttitude, block: ImuBlock, begin: int, last_ns: int
+) -> LevelledBlock:
+    out, gravity = _room(block, begin), (removal.gravity, removal._gravity_variance)
+    end = level_message(
+        imu_columns(block), begin, last_ns, source._fallback, gravity, removal._noise, out
+    )
+    if end > begin:
+        source.advance(block.sample(end - 1), None)
+    imu = block.part(begin, end)
+    return LevelledBlock(imu, _acceleration(removal, imu, out))
 
 
-def _room(count: int) -> LevelledColumns:
-    return LevelledColumns(*(np.empty((count, width)) for width in (3, 9, 9, 4, 9)))
+def _level_held(
+    removal: GravityRemoval, source: HeldAttitude, block: ImuBlock, begin: int, last_ns: int
+) -> LevelledBlock:
+    out, gravity = _room(block, begin), (removal.gravity, removal._gravity_variance)
+    end = begin
+    if source.attitude is not None and source._yaw is None:
+        end = level_held(
+            imu_columns(block),
+            begin,
+            last_ns,
+            source.attitude,
+            source.covariance,
+            gravity,
+            removal._noise,
+            out,
+        )
+    return _levelled(removal, block.part(begin, end), out)
 
 
-def _outputs(imu: ImuBlock, acceleration: AccelerationBlock) -> list[Output]:
-    return [(ACCELERATION, acceleration), (LEVELLED, LevelledBlock(imu, acceleration))]
+def _level_estimated(
+    removal: GravityRemoval, source: EstimatedAttitude, block: ImuBlock, begin: int, last_ns: int
+) -> LevelledBlock:
+    search = source.bias._search
+    if source.attitude is None or search._rate is None:
+        return _levelled(removal, block.part(begin, begin), _room(block, begin))
+    out, gravity = _room(block, begin), (removal.gravity, removal._gravity_variance)
+    rate, rate_covariance = np.empty((len(block) - begin, 3)), np.empty((len(block) - begin, 9))
+    state = _estimate(source)
+    rules = _rules(removal, source, search._force, int(block.stamp_ns[begin]))
+    end = level_estimated(
+        imu_columns(block),
+        begin,
+        last_ns,
+        rules,
+        state,
+        gravity,
+        rate,
+        rate_covariance,
+        out,
+    )
+    part = block.part(begin, end)
+    if end > begin:
+        _leave(source, state)
+        search._force.extend(part.stamp_ns, part.specific_force)
+        search._rate.extend(part.stamp_ns, part.angular_velocity)
+    turned = replace(
+        part,
+        angular_velocity=rate[: end - begin],
+        angular_velocity_covariance=rate_covariance[: end - begin],
+    )
+    return _levelled(removal, turned, out)
+
+
+def _estimate(source: EstimatedAttitude) -> Estimate:
+    figures = (
+        source._gravity,
+        source._motion,
+        source._lost,
+        source._shaken,
+        source._yaw_variance,
+        source._yaw_bias,
+        source.bias.variance,
+    )
+    vectors = (source._rate, source._force, source._turned, figures)
+    return Estimate(np.array(source.attitude), *map(np.array, vectors))
+
+
+def _rules(
+    removal: GravityRemoval, source: EstimatedAttitude, window: RestWindow, first_ns: int
+) -> EstimateRules:
+    settings = removal.settings
+    return EstimateRules(
+        source.bias.value,
+        settings.tilt_time,
+        settings.max_gap,
+        settings.rate_walk**2,
+        settings.rate_scale_deviation,
+        source._level_variance,
+        source._compass_deviation**2,
+        isotropic(sqrt(source._rate_variance)),
+        removal._noise,
+        window._start_ns if window._values else first_ns,
+        len(window._values) // 3,
+        window._duration_ns,
+    )
+
+
+def _leave(source: EstimatedAttitude, state: Estimate) -> None:
+    x, y, z, w = state.attitude.tolist()
+    source._set((x, y, z, w))
+    source._rate, source._force, source._turned = (
+        (x, y, z) for x, y, z in (a.tolist() for a in (state.rate, state.force, state.turned))
+    )
+    (
+        source._gravity,
+        source._motion,
+        source._lost,
+        source._shaken,
+        source._yaw_variance,
+        source._yaw_bias,
+        source.bias.variance,
+    ) = state.figures.tolist()
+
+
+def _room(block: ImuBlock, begin: int) -> LevelledColumns:
+    def rows(width: int) -> Array:
+        return np.empty((len(block) - begin, width))
+
+    return LevelledColumns(rows(3), rows(9), rows(9), rows(4), rows(9))
+
+
+def _levelled(removal: GravityRemoval, part: ImuBlock, out: LevelledColumns) -> LevelledBlock:
+    """Put together what comes out where the attitude did not come with the message."""
+    imu = replace(
+        part,
+        specific_force_covariance=out.force_covariance[: len(part)],
+        orientation=out.orientation[: len(part)],
+        orientation_covariance=out.orientation_covariance[: len(part)],
+    )
+    return LevelledBlock(imu, _acceleration(removal, imu, out))
+
+
+def _acceleration(
+    removal: GravityRemoval, imu: ImuBlock, out: LevelledColumns
+) -> AccelerationBlock:
+    count = len(imu)
+    return AccelerationBlock(
+        imu.stamp_ns, removal._world_frame, out.acceleration[:count], out.covariance[:count]
+    )

@@ -60,9 +60,9 @@ def level_held(
         stamp_ns = imu.stamp_ns[i]
         if not (stamp_ns > last_ns and measured(imu.force_covariance, i) and usable(imu, i)):
             return i
-        noise = _noise(imu, i, noise_fallback)
+        noise = noise_of(imu, i, noise_fallback)
         force_s = vector(imu.force, i)
-        _level(out, i - begin, rot_ws, force_s, tilt, noise, gravity)
+        level_row(out, i - begin, rot_ws, force_s, tilt, noise, gravity)
         put_matrix(out.force_covariance, i - begin, noise)
         put_quaternion(out.orientation, i - begin, attitude)
         put_matrix(out.orientation_covariance, i - begin, tilt)
@@ -96,19 +96,20 @@ def level_message(
         tilt = matrix(imu.orientation_covariance, i)
         if is_unknown(tilt):
             tilt = tilt_fallback
-        force_s, noise = vector(imu.force, i), _noise(imu, i, noise_fallback)
+        force_s, noise = vector(imu.force, i), noise_of(imu, i, noise_fallback)
         rot_ws = matrix_from_quaternion(attitude)
-        _level(out, i - begin, rot_ws, force_s, tilt, noise, gravity)
+        level_row(out, i - begin, rot_ws, force_s, tilt, noise, gravity)
         last_ns = stamp_ns
     return len(imu.stamp_ns)
 
 
-def _noise(imu: ImuColumns, i: int, fallback: Matrix) -> Matrix:
+def noise_of(imu: ImuColumns, i: int, fallback: Matrix) -> Matrix:
+    """Return the covariance of the force of a row, or what stands in where it is unknown."""
     noise = matrix(imu.force_covariance, i)
     return fallback if is_unknown(noise) else noise
 
 
-def _level(
+def level_row(
     out: LevelledColumns,
     row: int,
     rot_ws: Matrix,
