@@ -1,4 +1,4 @@
-"""Read recorded Imu and Odometry messages: ROS 1 ``.bag`` files and rosbag2 (sqlite3, mcap).
+"""Read recorded Imu, Odometry and pose messages: ROS 1 ``.bag`` files and rosbag2 (sqlite3, mcap).
 
 The only module that knows rosbags.  Samples keep the stamps of their headers and come in the order
 of the recording, one at a time, so a recording may be larger than memory.  What a message does not
@@ -18,6 +18,7 @@ from dead_reckoning.core.samples import (
     NANOSECONDS,
     UNKNOWN,
     UNMEASURED_VARIANCE,
+    ZERO,
     ImuSample,
     Matrix,
     NavigationState,
@@ -34,8 +35,9 @@ if TYPE_CHECKING:
 
 IMU = 'sensor_msgs/msg/Imu'
 ODOMETRY = 'nav_msgs/msg/Odometry'
+POSE = 'geometry_msgs/msg/PoseStamped'
 
-_SUFFIXES = ('.bag', '.mcap', '.db3')
+SUFFIXES = ('.bag', '.mcap', '.db3')
 _ALLOWED = 'name a .bag of ROS 1, a rosbag2 folder, or the .mcap or .db3 file in one'
 
 Sample = TypeVar('Sample')
@@ -62,6 +64,15 @@ def read_odometry(path: Path, topic: str | None = None) -> Iterator[NavigationSt
     The twist is turned into the world.  Raises `RecordingError` as `read_imu` does.
     """
     return _read(path, topic, ODOMETRY, _state)
+
+
+def read_poses(path: Path, topic: str | None = None) -> Iterator[NavigationState]:
+    """Read the geometry_msgs/PoseStamped messages of a topic, or of the only such topic there is.
+
+    Of the states only stamp, position and attitude are known.  Raises `RecordingError` as
+    `read_imu` does.
+    """
+    return _read(path, topic, POSE, _posed)
 
 
 def _read(
@@ -124,7 +135,7 @@ def _reader(path: Path) -> Reader:
         ) from error
     if not path.exists():
         raise RecordingError(f'{path}: no such file or folder; {_ALLOWED}')
-    if path.is_file() and path.suffix not in _SUFFIXES:
+    if path.is_file() and path.suffix not in SUFFIXES:
         raise RecordingError(f'{path}: no recording; {_ALLOWED}')
     if path.is_dir() and not (path / 'metadata.yaml').exists():
         raise RecordingError(
@@ -164,7 +175,7 @@ def _deserializer(
 ) -> Callable[[bytes], Any]:
     """Return what turns the bytes of a topic into messages of a standard type.
 
-    The definitions of the two types never changed, so those in the recording need not be parsed;
+    The definitions of these types never changed, so those in the recording need not be parsed;
     a checksum that differs shows a type that only has the name.
     """
     from rosbags.typesys import Stores, get_typestore
@@ -220,6 +231,15 @@ def _state(message: Any) -> NavigationState:
         _matrix(pose_covariance[3:, 3:]),
         _vector(twist.angular) if turning else None,
         _matrix(twist_covariance[3:, 3:]) if turning else UNKNOWN,
+    )
+
+
+def _posed(message: Any) -> NavigationState:
+    return NavigationState(
+        _stamp_ns(message.header),
+        _vector(message.pose.position),
+        ZERO,
+        _quaternion(message.pose.orientation),
     )
 
 
