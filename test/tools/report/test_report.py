@@ -1,0 +1,185 @@
+"""Reports of simulated recordings, opened in a browser."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from browser import assert_self_contained, opened
+
+from dead_reckoning.configuration import Configuration
+from dead_reckoning.core.block_stages import blockwise
+from dead_reckoning.core.blocks import AccelerationBlock, ImuBlock, StateBlock
+from dead_reckoning.core.chain import Chain
+from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.errors import GapError, InputError, NotFiniteError
+from dead_reckoning.core.gravity import GravityRemoval
+from dead_reckoning.core.gravity_settings import GravitySettings
+from dead_reckoning.core.integration.settings import IntegratorSettings
+from dead_reckoning.core.integrator import Integrator
+from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
+from dead_reckoning.core.stages import (
+    RAW,
+    gravity_stage,
+    integrator_stage,
+    pedometer_stage,
+)
+from dead_reckoning.core.step_detectors.an900 import An900Settings
+from dead_reckoning.core.step_odometry import StepOdometry
+from dead_reckoning.sources.driver import front_end, simulated_sensor
+from dead_reckoning.sources.driver_settings import DriverSettings
+from dead_reckoning.tools.presets import values_of
+from dead_reckoning.tools.report import write_report
+from dead_reckoning.tools.report.contents import Contents, Event, event, settings_of
+
+START_NS = 1_700_000_000_000_000_000
+PARTS = (GravitySettings, IntegratorSettings, PedometerSettings, CommonSettings)
+
+SLIDE = {'driver.motion': 'slide', 'driver.slide.start': 2.0, 'integrator.movement_end': 'each'}
+WALK = {
+    **values_of('an900'),
+    'driver.walk.roll': 0.0,
+    'pedometer.axes': ['x', 'y', 'z'],
+    'pedometer.input': 'imu/data',
+}
+
+
+def imu(values, seconds):
+    configuration = Configuration(values)
+    conversions = round(seconds * configuration[DriverSettings].sample_rate)
+    source = simulated_sensor(configuration, START_NS)
+    return configuration, ImuBlock.of(front_end(configuration).add(source.read(conversions)))
+
+
+def replayed(name, configuration, *blocks, on_foot=False):
+    """Return what the batch chain makes of a recording."""
+    common = configuration[CommonSettings]
+    removal = GravityRemoval(configuration[GravitySettings], common, configuration[FrameSettings])
+    stages = [gravity_stage(removal)]
+    if on_foot:
+        settings = configuration[PedometerSettings]
+        pedometer = Pedometer(settings, An900Settings())
+        stages.append(pedometer_stage(pedometer, StepOdometry(settings, common)))
+    else:
+        stages.append(integrator_stage(Integrator(configuration[IntegratorSettings], common)))
+    chain = Chain([blockwise(stage) for stage in stages])
+    outputs = [output for block in blocks for output in chain.push(RAW, block)]
+    samples = sum(map(len, blocks))
+    return Contents.of(name, samples, outputs, settings_of(configuration, PARTS))
+
+
+@pytest.fixture(scope='module')
+def slide():
+    """A slide with three samples that can't be used and a gap, in two blocks."""
+    configuration, block = imu(SLIDE, 5.0)
+    force, stamp_ns = block.specific_force.copy(), block.stamp_ns.copy()
+    force[200:203] = np.nan
+    stamp_ns[400:] += 2_000_000_000
+    spoilt = replace(block, specific_force=force, stamp_ns=stamp_ns)
+    blocks = [spoilt.part(0, 150), spoilt.part(150, len(block))]
+    return replayed('a <slide> & more', configuration, *blocks)
+
+
+def written(path, contents):
+    write_report(path, contents)
+    return path.read_text(encoding='utf-8')
+
+
+def test_blocks_become_one(slide):
+    assert len(slide.odometry) + sum(e.dropped for e in slide.events) == slide.samples
+    assert (np.diff(slide.odometry.stamp_ns) > 0).all()
+
+
+def test_report_of_a_slide_in_a_browser(slide, tmp_path):
+    path = tmp_path / 'report.html'
+    page = written(path, slide)
+    assert_self_contained(page)
+    document, widths = opened(path)
+    assert '<title>dead_reckoning: a &lt;slide&gt; &amp; more</title>' in document
+    # The way, height, velocity, acceleration, uncertainty, what was dropped.
+    assert len(widths) == 6
+    assert min(widths) > 0
+
+
+def test_report_says_what_was_dropped_and_with_which_settings(slide, tmp_path):
+    page = written(tmp_path / 'report.html', slide)
+    assert '<code>NotFiniteError</code></td><td>3 dropped</td>' in page
+    assert '<code>GapError</code></td><td>1 ×</td>' in page
+    assert 'raise integrator.max_gap' in page
+    changed, others = page.split('<details>')
+    assert '<code>integrator.movement_end</code></td><td>each</td><td>all</td>' in changed
+    assert '<code>gravity.attitude</code>' in others
+    assert 'levelled: gravity is' in page
+
+
+def test_report_of_a_walk_in_a_browser(tmp_path):
+    configuration, block = imu(WALK, 30.0)
+    contents = replayed('walk', configuration, block, on_foot=True)
+    steps = contents.steps
+    assert len(steps.step) > 30
+    assert steps.step.tolist() == list(range(1, len(steps.step) + 1))
+    assert steps.distance[-1] == pytest.approx(steps.step_length.sum())
+    path = tmp_path / 'report.html'
+    page = written(path, contents)
+    assert f'<dt>steps</dt><dd>{len(steps.step)}<small>' in page
+    assert 'The way on foot' in page
+    assert 'Velocity' not in page
+    assert min(opened(path)[1]) > 0
+
+
+def test_an_hour_is_written_in_seconds_and_small(tmp_path):
+    count = 720_000
+    random = np.random.default_rng(1)
+    stamp_ns = START_NS + 5_000_000 * np.arange(count)
+    noise = random.normal(0.0, 0.5, (count, 3))
+    velocity = np.cumsum(noise, axis=0) * 0.01
+    covariance = np.tile(np.eye(3).ravel(), (count, 1))
+    states = StateBlock(
+        stamp_ns, np.cumsum(velocity, axis=0) * 0.005, velocity, np.zeros((count, 4)),
+        covariance, covariance, covariance, noise, covariance, random.random(count) < 0.5,
+    )  # fmt: skip
+    acceleration = AccelerationBlock(stamp_ns, 'imu_link', noise, covariance)
+    events = [Event(int(stamp), 'LateSampleError', 'late', True) for stamp in stamp_ns[::10]]
+    path = tmp_path / 'report.html'
+    begun = time.process_time()
+    write_report(
+        path,
+        Contents(
+            name='hour', samples=count, odometry=states, acceleration=acceleration, events=events
+        ),
+    )
+    assert time.process_time() - begun < 20.0
+    assert path.stat().st_size < 3_000_000
+    assert min(opened(path)[1]) > 0
+
+
+@pytest.mark.parametrize('count', [0, 1, 2])
+def test_hardly_anything_makes_a_page_too(slide, tmp_path, count):
+    contents = Contents(
+        name='short',
+        samples=count,
+        odometry=slide.odometry.part(0, count),
+        acceleration=slide.acceleration.part(0, count),
+        events=[event(0, NotFiniteError('nothing but NaN'))],
+    )
+    page = written(tmp_path / 'report.html', contents)
+    assert ('<h2>The way</h2>' in page) is (count > 0)
+    assert '<td>1 dropped</td><td>stamp 0</td>' in page or count == 0
+
+
+def test_a_page_is_written_the_same_again(slide, tmp_path):
+    assert written(tmp_path / 'a.html', slide) == written(tmp_path / 'b.html', slide)
+
+
+def test_a_page_is_whole_or_absent(slide, tmp_path):
+    with pytest.raises(InputError, match='can not be written'):
+        write_report(tmp_path / 'missing' / 'report.html', slide)
+    with pytest.raises(AttributeError):
+        write_report(tmp_path / 'report.html', replace(slide, odometry='no block'))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_findings_are_no_drops():
+    assert event(START_NS, NotFiniteError('x')).dropped
+    assert not event(START_NS, GapError('x')).dropped
+    assert Contents.of('empty', 0, ()).odometry is None
