@@ -43,21 +43,22 @@ def compare(options: Options) -> Figures:
         raise InputError(f'{options.folder}: no folder; name one that dead-reckoning replay wrote')
     truth = read_truth(options.truth, options.topic) if options.truth else None
     evaluation: Figures = {'folder': str(options.folder), 'truth': _named(options)}
-    wanted = isinstance(truth, Trajectory)
-    track = _track(options, wanted)
+    track = _track(options, wanted=isinstance(truth, Trajectory))
     if track is not None:
         estimate = read_trajectory(track)
         evaluation['trajectory'] = {'file': track.name, **_way(estimate)}
-        if wanted:
+        if isinstance(truth, Trajectory):
             evaluation['trajectory'] |= _poses(truth, estimate, options)
-    walked = truth if isinstance(truth, Steps) else None
-    count = options.steps if options.steps is not None else walked and walked.count
+    count, distance, times = options.steps, options.distance, None
+    if isinstance(truth, Steps):
+        count = truth.count if count is None else count
+        distance = truth.distance if distance is None else distance
+        times = truth.stamp_ns
     if count is not None:
         steps = _steps(options.folder)
         evaluation['steps'] = _beside(count, steps.count)
-        if walked is not None and walked.stamp_ns is not None and steps.stamp_ns is not None:
-            evaluation['steps']['timing'] = timing(walked.stamp_ns, steps.stamp_ns)
-    distance = options.distance if options.distance is not None else walked and walked.distance
+        if times is not None and steps.stamp_ns is not None:
+            evaluation['steps']['timing'] = timing(times, steps.stamp_ns)
     if distance is not None:
         evaluation['distance_m'] = _distances(options.folder, distance, evaluation)
     return evaluation

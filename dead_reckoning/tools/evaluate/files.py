@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from itertools import chain
 from pathlib import Path
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,7 @@ WHOLE = ('stamp_ns', 'step')
 SHORTEST = 1e-3
 """The least norm of a quaternion; a shorter one is a mistake and no rotation."""
 
-Columns = dict[str, NDArray[np.int64] | NDArray[np.float64]]
+Columns = dict[str, NDArray[Any]]
 
 
 def read_truth(path: Path, topic: str | None = None) -> Trajectory | Steps:
@@ -175,7 +176,7 @@ def _columns(path: Path, names: Sequence[str], header: bool = True) -> Columns:
     return {name: np.ascontiguousarray(rows[name]) for name in names}
 
 
-def _refuse(path: Path, names: Sequence[str], places: Sequence[int], header: bool) -> None:
+def _refuse(path: Path, names: Sequence[str], places: Sequence[int], header: bool) -> NoReturn:
     """Raise where the first fault is: read once more, line by line."""
     for number, line in enumerate(_lines(path), 1):
         cells = line.split(',') if header else line.partition('#')[0].split()

@@ -8,7 +8,7 @@ import numpy as np
 
 from dead_reckoning.core.errors import InputError
 from dead_reckoning.core.samples import UNMEASURED_VARIANCE
-from dead_reckoning.tools.evaluate.trajectory import Alignment, Array, Trajectory
+from dead_reckoning.tools.evaluate.trajectory import Alignment, Array, Indices, Trajectory
 
 SLACK_NS = 1000
 """Stamps that were seconds as decimals once are off by less; a delta must not skip a pose."""
@@ -65,7 +65,7 @@ def relative_errors(
     )
 
 
-def _marks(estimate: Trajectory, delta: float, unit: str) -> np.ndarray:
+def _marks(estimate: Trajectory, delta: float, unit: str) -> Indices:
     """Return the poses at which ``delta`` has gone by since the one before, the first included."""
     gone_by: Iterable[float]
     if unit == 'frames':

@@ -1,18 +1,23 @@
-"""What a report shows of one recording."""
+"""What a report shows of one recording, and how it is gathered from a chain."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dead_reckoning.core.blocks import AccelerationBlock, StateBlock
-from dead_reckoning.core.chain import FAULT, NOTICE, Output
-from dead_reckoning.core.errors import ReadingError, SampleError
+from dead_reckoning.core.blocks import AccelerationBlock, Stamped, StateBlock
+from dead_reckoning.core.chain import FAULT, NOTICE
+from dead_reckoning.core.common import CommonSettings, FrameSettings
+from dead_reckoning.core.errors import ReadingError, SampleError, WireError
+from dead_reckoning.core.gravity_settings import GravitySettings
+from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.parameters import Derived, Parts, Settings
+from dead_reckoning.core.pedometer import PedometerSettings
+from dead_reckoning.core.pipeline import PipelineSettings
 from dead_reckoning.core.stages import (
     ACCELERATION,
     DISTANCE,
@@ -25,9 +30,41 @@ from dead_reckoning.core.stages import (
 Array = NDArray[np.float64]
 Stamps = NDArray[np.int64]
 
+PLANE = (0, 1, 4, 8)
+"""Where a covariance, shape (3, 3), has xx, xy, yy and zz."""
+
 
 @dataclass(frozen=True, eq=False)
-class StepColumns:
+class Track:
+    """States, world frame, a row each.
+
+    Stamp [ns], position [m], velocity [m/s], xx, xy, yy and zz of the position's covariance [m²],
+    and whether the sensor was taken to rest.
+    """
+
+    stamp_ns: Stamps
+    position: Array
+    velocity: Array
+    covariance: Array
+    stationary: NDArray[np.bool_]
+
+    @property
+    def sigma(self) -> Array:
+        """The standard deviation of the position, shape (n, 3) [m]."""
+        deviation: Array = np.sqrt(np.maximum(self.covariance[:, (0, 2, 3)], 0.0))
+        return deviation
+
+
+@dataclass(frozen=True, eq=False)
+class Accelerations:
+    """Linear acceleration [m/s²], world frame, a row for each stamp [ns]."""
+
+    stamp_ns: Stamps
+    acceleration: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
     """Steps, a row each: stamp [ns], total, length [m], distance from the start [m]."""
 
     stamp_ns: Stamps
@@ -37,13 +74,13 @@ class StepColumns:
 
 
 @dataclass(frozen=True)
-class Event:
-    """Something that was said about a sample; ``dropped`` if that sample was not used."""
+class Fault:
+    """A class of errors: what the first said, whether each cost a sample, the samples' stamps."""
 
-    stamp_ns: int
     kind: str
     words: str
     dropped: bool
+    stamp_ns: list[int] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -67,60 +104,99 @@ class Contents:
     ``samples``
         how many it has, those that were dropped included.
     ``odometry``, ``acceleration``
-        states and linear acceleration, world frame.
-    ``steps``, ``walked``
-        steps, and the states at them.
-    ``events``, ``notices``
-        what was dropped or found, and what was said: stamps [ns] and words.
+        of the integrator or navigator.
+    ``walked``, ``steps``
+        of the pedometer.
+    ``faults``, ``notices``
+        what was dropped or found; what was said, with its stamp [ns].
     """
 
     name: str
     samples: int
-    odometry: StateBlock | None = None
-    acceleration: AccelerationBlock | None = None
-    walked: StateBlock | None = None
-    steps: StepColumns | None = None
-    events: Sequence[Event] = ()
+    odometry: Track | None = None
+    acceleration: Accelerations | None = None
+    walked: Track | None = None
+    steps: Steps | None = None
+    faults: Sequence[Fault] = ()
     notices: Sequence[tuple[int, str]] = ()
     settings: Sequence[Setting] = ()
 
-    @classmethod
-    def of(
-        cls, name: str, samples: int, outputs: Iterable[Output], settings: Sequence[Setting] = ()
-    ) -> Contents:
-        """Sort the outputs of a chain of block stages."""
-        by_name: dict[str, list[Any]] = {}
-        for topic, value in outputs:
-            by_name.setdefault(topic, []).append(value)
-        return cls(
+
+class Collector:
+    """Gather what comes out of a chain of block stages, no more of it than is shown."""
+
+    def __init__(self) -> None:
+        self._columns: dict[str, list[tuple[Any, ...]]] = {}
+        self._totals: dict[str, list[Stamped]] = {}
+        self._faults: dict[str, Fault] = {}
+        self._notices: list[tuple[int, str]] = []
+
+    def takers(self) -> Mapping[str, Callable[[Any], object]]:
+        """Return what it takes, by name."""
+        return {
+            ODOMETRY: lambda block: self._add(ODOMETRY, _track(block)),
+            STEP_ODOMETRY: lambda block: self._add(STEP_ODOMETRY, _track(block)),
+            ACCELERATION: lambda block: self._add(ACCELERATION, _acceleration(block)),
+            **{
+                name: self._totals.setdefault(name, []).append
+                for name in (STEPS, DISTANCE, STEP_LENGTH)
+            },
+            FAULT: self._note,
+            NOTICE: lambda said: self._notices.append((said.stamp_ns, said.value)),
+        }
+
+    def contents(self, name: str, samples: int, settings: Sequence[Setting] = ()) -> Contents:
+        """Return all that came."""
+        odometry, walked, acceleration = (
+            [np.concatenate(parts) for parts in zip(*self._columns[topic], strict=True)]
+            if topic in self._columns
+            else None
+            for topic in (ODOMETRY, STEP_ODOMETRY, ACCELERATION)
+        )
+        return Contents(
             name=name,
             samples=samples,
-            odometry=_joined(by_name.get(ODOMETRY, ())),
-            acceleration=_joined(by_name.get(ACCELERATION, ())),
-            walked=_joined(by_name.get(STEP_ODOMETRY, ())),
-            steps=_steps(by_name) if STEPS in by_name else None,
-            events=[event(fault.stamp_ns, fault.value) for fault in by_name.get(FAULT, ())],
-            notices=[(said.stamp_ns, said.value) for said in by_name.get(NOTICE, ())],
+            odometry=Track(*odometry) if odometry else None,
+            acceleration=Accelerations(*acceleration) if acceleration else None,
+            walked=Track(*walked) if walked else None,
+            steps=_steps(self._totals) if self._totals.get(STEPS) else None,
+            faults=list(self._faults.values()),
+            notices=self._notices,
             settings=settings,
         )
 
+    def _add(self, topic: str, columns: tuple[Any, ...]) -> None:
+        self._columns.setdefault(topic, []).append(columns)
 
-def event(stamp_ns: int, error: Exception) -> Event:
-    """Return what an error says about the sample with that stamp."""
-    dropped = isinstance(error, (SampleError, ReadingError))
-    return Event(stamp_ns, type(error).__name__, str(error), dropped)
+    def _note(self, fault: Stamped) -> None:
+        error = fault.value
+        kind = type(error).__name__
+        if kind not in self._faults:
+            dropped = isinstance(error, (SampleError, WireError, ReadingError))
+            self._faults[kind] = Fault(kind, str(error), dropped)
+        self._faults[kind].stamp_ns.append(fault.stamp_ns)
 
 
-def settings_of(settings: Parts, parts: Iterable[type[Settings]]) -> list[Setting]:
-    """List the parameters of some parts, in their order."""
+def settings_of(settings: Parts) -> list[Setting]:
+    """List the parameters of the parts that the estimators use."""
     listed = []
-    for part in parts:
+    for part in _used(settings):
         used, default = settings[part].values(), part().values()
         for p in part.parameters():
             words = p.default.words if isinstance(p.default, Derived) else said(default[p.key])
             differs = used[p.key] != default[p.key]
             listed.append(Setting(p.key, said(used[p.key]), words, differs, p.unit, p.description))
     return listed
+
+
+def _used(settings: Parts) -> list[type[Settings]]:
+    estimators, pedometer = settings[PipelineSettings].estimators, settings[PedometerSettings]
+    parts: list[type[Settings]] = [PipelineSettings, GravitySettings]
+    if 'integrator' in estimators:
+        parts.append(IntegratorSettings)
+    if 'pedometer' in estimators:
+        parts += [PedometerSettings, pedometer.method_part]
+    return [*parts, CommonSettings, FrameSettings]
 
 
 def said(value: Any) -> str:
@@ -132,27 +208,25 @@ def said(value: Any) -> str:
     return f'{value:g}' if isinstance(value, float) else str(value) or "''"
 
 
-def _joined(blocks: Sequence[Any]) -> Any:
-    """Return blocks as one, or None if there are none."""
-    if len(blocks) < 2:
-        return blocks[0] if blocks else None
-    columns = {}
-    for field in fields(blocks[0]):
-        parts = [getattr(block, field.name) for block in blocks]
-        columns[field.name] = parts[0] if isinstance(parts[0], str) else np.concatenate(parts)
-    return type(blocks[0])(**columns)
+def _track(block: StateBlock) -> tuple[Any, ...]:
+    covariance = block.position_covariance[:, PLANE]
+    return block.stamp_ns, block.position, block.velocity, covariance, block.stationary
 
 
-def _steps(outputs: dict[str, list[Any]]) -> StepColumns:
+def _acceleration(block: AccelerationBlock) -> tuple[Any, ...]:
+    return block.stamp_ns, block.acceleration
+
+
+def _steps(totals: Mapping[str, Sequence[Stamped]]) -> Steps:
     """Return the steps; length and distance, which come on change, are the last that came."""
-    counted = [total for total in outputs[STEPS] if total.value > 0]
+    counted = [total for total in totals[STEPS] if total.value > 0]
     stamp_ns = np.array([total.stamp_ns for total in counted], dtype=np.int64)
 
     def latest(name: str) -> Array:
-        stamps = np.array([value.stamp_ns for value in outputs[name]])
-        values = np.array([value.value for value in outputs[name]], dtype=float)
+        stamps = np.array([value.stamp_ns for value in totals[name]])
+        values = np.array([value.value for value in totals[name]], dtype=float)
         found: Array = values[np.searchsorted(stamps, stamp_ns, side='right') - 1]
         return found
 
     step = np.array([total.value for total in counted], dtype=np.int64)
-    return StepColumns(stamp_ns, step, latest(STEP_LENGTH), latest(DISTANCE))
+    return Steps(stamp_ns, step, latest(STEP_LENGTH), latest(DISTANCE))

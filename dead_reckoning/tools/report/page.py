@@ -10,16 +10,15 @@ from typing import TypeVar
 
 import numpy as np
 
-from dead_reckoning.core.blocks import AccelerationBlock, StateBlock
 from dead_reckoning.core.errors import NotLevelledError
 from dead_reckoning.tools import html
 from dead_reckoning.tools.report import plots
-from dead_reckoning.tools.report.contents import Contents, Event, Setting
+from dead_reckoning.tools.report.contents import Accelerations, Contents, Fault, Setting, Track
 from dead_reckoning.tools.report.plots import Clock, picture
 from dead_reckoning.tools.report.series import elapsed
 from dead_reckoning.tools.whole import written_whole
 
-AnyBlock = TypeVar('AnyBlock', StateBlock, AccelerationBlock)
+Columns = TypeVar('Columns', Track, Accelerations)
 
 EPOCH_NS = 946_684_800_000_000_000
 """Stamps before the year 2000 count from when a device was switched on, and are no dates."""
@@ -55,14 +54,14 @@ def _clock(contents: Contents) -> Clock:
         for block in (contents.odometry, contents.acceleration, contents.steps, contents.walked)
         if block is not None and len(block.stamp_ns)
     ]
-    events = [e.stamp_ns for e in contents.events]
+    faults = [stamp for fault in contents.faults for stamp in fault.stamp_ns]
     if not stamps:
-        return Clock(min(events, default=0), max(events, default=0))
+        return Clock(min(faults, default=0), max(faults, default=0))
     start = min(int(s[0]) for s in stamps)
     # Stamps may go back, at a restart; time goes on.
     lasts = [start + round(1e9 * float(elapsed(s, start)[-1])) for s in stamps]
     # What was dropped at first came before; a stamp from another age is no beginning.
-    begin = [stamp for stamp in events if 2 * start - max(lasts) < stamp < start]
+    begin = [stamp for stamp in faults if 2 * start - max(lasts) < stamp < start]
     return Clock(min(begin, default=start), max(lasts))
 
 
@@ -98,10 +97,10 @@ def _figures(contents: Contents, clock: Clock) -> str:
         # The way of the steps begins before the first of them.
         from_start = metres(float(np.linalg.norm(walked.position[-1])))
         figures.append(_figure('end from start, on foot', from_start, *_end(walked, 2)))
-    dropped = sum(e.dropped for e in contents.events)
+    dropped = sum(len(fault.stamp_ns) for fault in contents.faults if fault.dropped)
     share = f'{100.0 * dropped / max(contents.samples, 1):.2g} % of the samples'
     # That samples wait for rest at first is as it should be.
-    marked = any(e.dropped and e.kind != NotLevelledError.__name__ for e in contents.events)
+    marked = any(f.dropped and f.kind != NotLevelledError.__name__ for f in contents.faults)
     figures.append(
         _figure(
             'dropped', f'{dropped:,}', share if dropped else 'every sample was used', marked=marked
@@ -157,7 +156,7 @@ def _sections(contents: Contents, clock: Clock) -> Iterator[str]:
             picture('σ of the position over time', lambda a: plots.uncertainty(a[0], sure, clock)),
             'As published: the standard deviation of each coordinate.',
         )
-    yield _dropped(contents.events, clock)
+    yield _dropped(contents.faults, clock)
     if contents.notices:
         said = [f'<li>{clock.words(at)}: {escape(words)}</li>' for at, words in contents.notices]
         yield _section('What was said', f'<ul>{"".join(said)}</ul>')
@@ -165,11 +164,11 @@ def _sections(contents: Contents, clock: Clock) -> Iterator[str]:
         yield _settings(contents.settings)
 
 
-def _filled(block: AnyBlock | None) -> AnyBlock | None:
-    return block if block is not None and len(block) else None
+def _filled(columns: Columns | None) -> Columns | None:
+    return columns if columns is not None and len(columns.stamp_ns) else None
 
 
-def _way(title: str, states: StateBlock) -> str:
+def _way(title: str, states: Track) -> str:
     drawn = picture(f'{title.lower()} in the plane', lambda a: plots.way(a[0], states), height=5.2)
     return _section(title, drawn, _words_on_ellipse(states))
 
@@ -182,27 +181,24 @@ def _section(title: str, *parts: str) -> str:
     return f'<section><h2>{title}</h2>\n{body}</section>'
 
 
-def _dropped(events: Sequence[Event], clock: Clock) -> str:
+def _dropped(faults: Sequence[Fault], clock: Clock) -> str:
     """Return what was dropped and found, why, how often and when."""
     title = 'What was dropped, and why'
-    if not events:
+    if not faults:
         return _section(title, '<p>Nothing: every sample was used.</p>')
     rows = []
-    for kind in dict.fromkeys(e.kind for e in events):
-        of_kind = [e for e in events if e.kind == kind]
-        first, last = of_kind[0].stamp_ns, of_kind[-1].stamp_ns
-        when = clock.words(first) + (f' … {clock.words(last)}' if len(of_kind) > 1 else '')
-        what = f'{len(of_kind):,}' + (' dropped' if of_kind[0].dropped else ' ×')
-        rows.append((f'<code>{kind}</code>', what, when, escape(of_kind[0].words)))
+    for fault in faults:
+        first, *more = fault.stamp_ns
+        when = clock.words(first) + (f' … {clock.words(more[-1])}' if more else '')
+        what = f'{1 + len(more):,}' + (' dropped' if fault.dropped else ' ×')
+        rows.append((f'<code>{fault.kind}</code>', what, when, escape(fault.words)))
     return _section(
         title,
-        html.table(
-            ('class', 'samples', 'when', 'what it says, the first time'), rows, 'words events'
-        ),
+        html.table(('class', 'samples', 'when', 'the first time it says'), rows, 'words events'),
         picture(
             'when samples were dropped',
-            lambda a: plots.events(a[0], events, clock),
-            height=plots.events_height(events),
+            lambda a: plots.faults(a[0], faults, clock),
+            height=0.9 + 0.32 * len(faults),
         ),
     )
 
@@ -236,36 +232,36 @@ def _settings(settings: Sequence[Setting]) -> str:
     )
 
 
-def _length(states: StateBlock) -> float:
+def _length(states: Track) -> float:
     return float(np.linalg.norm(np.diff(states.position, axis=0), axis=1).sum())
 
 
-def _speed(states: StateBlock) -> str:
+def _speed(states: Track) -> str:
     return f'at most {np.linalg.norm(states.velocity, axis=1).max():.3g} m/s'
 
 
-def _closure(states: StateBlock) -> float:
+def _closure(states: Track) -> float:
     return float(np.linalg.norm(states.position[-1] - states.position[0]))
 
 
-def _end(states: StateBlock, axes: int) -> tuple[str, str]:
+def _end(states: Track, axes: int) -> tuple[str, str]:
     at = ', '.join(f'{0.0 + round(v, 3):.4g}' for v in states.position[-1, :axes].tolist())
-    sigma = ', '.join(f'{v:.2g}' for v in plots.deviations(states)[-1, :axes].tolist())
+    sigma = ', '.join(f'{v:.2g}' for v in states.sigma[-1, :axes].tolist())
     return f'at {at} m', f'σ {sigma} m'
 
 
 def _samples(contents: Contents) -> list[str]:
     """Say how many samples there are, and how often they came."""
     words = [f'{contents.samples:,} samples']
-    block = contents.acceleration or contents.odometry
-    if block is not None and len(block) > 1:
-        period = max(float(np.median(np.diff(block.stamp_ns))), 1.0)
+    columns = contents.acceleration or contents.odometry
+    if columns is not None and len(columns.stamp_ns) > 1:
+        period = max(float(np.median(np.diff(columns.stamp_ns))), 1.0)
         words.append(f'{1e9 / period:.4g} Hz')
     return words
 
 
-def _words_on_ellipse(states: StateBlock) -> str:
-    half, _ = plots.half_axes(states.position_covariance[-1].reshape(3, 3)[:2, :2])
+def _words_on_ellipse(states: Track) -> str:
+    half, _ = plots.half_axes(plots.in_plane(states, -1))
     return (
         'The ellipses are 3 σ: the true place is in them 98.9 times of 100, if σ is right. At the '
         f'end their half axes are {metres(half[1])} and {metres(half[0])}; those more than '
@@ -273,9 +269,9 @@ def _words_on_ellipse(states: StateBlock) -> str:
     )
 
 
-def _words_on_height(states: StateBlock) -> str:
+def _words_on_height(states: Track) -> str:
     z = 0.0 + round(float(states.position[-1, 2]), 3)
-    return f'At the end {z:.3f} m, σ {plots.deviations(states)[-1, 2]:.2g} m.'
+    return f'At the end {z:.3f} m, σ {states.sigma[-1, 2]:.2g} m.'
 
 
 def metres(value: float) -> str:

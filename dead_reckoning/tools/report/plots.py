@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from io import BytesIO
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -11,17 +12,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
-from dead_reckoning.core.blocks import AccelerationBlock, StateBlock
 from dead_reckoning.core.samples import UNMEASURED_VARIANCE
 from dead_reckoning.tools.drawing import AXES, RED, tidy
 from dead_reckoning.tools.html import image
 from dead_reckoning.tools.report import series
-from dead_reckoning.tools.report.contents import Array, Event, Stamps, StepColumns
+from dead_reckoning.tools.report.contents import (
+    Accelerations,
+    Array,
+    Fault,
+    Stamps,
+    Steps,
+    Track,
+)
 
 SVG_POINTS = 8000
 """A picture of more points than this is one of pixels."""
 
-REST = {'color': '#8a8a8a', 'alpha': 0.22, 'linewidth': 0.0}
+REST: Any = {'color': '#8a8a8a', 'alpha': 0.22, 'linewidth': 0.0}
 ELLIPSES = 8
 """How many places of a way show their uncertainty."""
 
@@ -42,7 +49,7 @@ class Clock:
         if self.duration > 3.0 * 3600.0:
             self.unit, self.scale = 'h', 3600.0
 
-    def times(self, stamp_ns: np.ndarray) -> Array:
+    def times(self, stamp_ns: Stamps) -> Array:
         """Return times in the unit of the axis."""
         times: Array = series.elapsed(stamp_ns, self.start_ns) / self.scale
         return times
@@ -65,7 +72,7 @@ def picture(
     """Return a picture as HTML; ``draw`` fills its axes and returns how many points it drew."""
     with matplotlib.rc_context({'svg.hashsalt': 'dead_reckoning', 'font.size': 10}):
         figure = Figure(figsize=(9.0, height), layout='constrained')
-        axes = figure.subplots(rows, 1, sharex=rows > 1, squeeze=False)[:, 0]
+        axes = list(figure.subplots(rows, 1, sharex=rows > 1, squeeze=False)[:, 0])
         points = draw(axes)
         for each in axes:
             tidy(each)
@@ -80,7 +87,7 @@ def picture(
         return image(file.getvalue(), 'png', alt)
 
 
-def way(axes: Axes, states: StateBlock) -> int:
+def way(axes: Axes, states: Track) -> int:
     """Draw the way in the plane, to scale, with ellipses of 3 σ; return its points."""
     position = states.position[:, :2]
     shown = series.way(position, series.breaks(states.stamp_ns))
@@ -90,7 +97,7 @@ def way(axes: Axes, states: StateBlock) -> int:
     axes.plot([], [], 'o', markersize=9, color=AXES[1], alpha=0.3, label='3 σ')
     extent = max(float(np.ptp(position, axis=0).max()), 1e-3)
     for index in _along(position):
-        covariance = states.position_covariance[index].reshape(3, 3)[:2, :2]
+        covariance = in_plane(states, index)
         half, angle = half_axes(covariance)
         if half.max() > ROOM * extent:
             continue
@@ -114,6 +121,12 @@ def _along(position: Array) -> list[int]:
     return sorted({*np.searchsorted(gone, marks).clip(0, len(gone) - 1).tolist(), len(gone) - 1})
 
 
+def in_plane(states: Track, index: int) -> Array:
+    """Return the covariance of x and y at a state, shape (2, 2) [m²]."""
+    xx, xy, yy, _ = states.covariance[index]
+    return np.array([[xx, xy], [xy, yy]])
+
+
 def half_axes(covariance: Array) -> tuple[Array, float]:
     """Return half axes of the ellipse of 3 σ [m], the smaller first, and how it is turned [°]."""
     values, vectors = np.linalg.eigh(covariance)
@@ -121,10 +134,10 @@ def half_axes(covariance: Array) -> tuple[Array, float]:
     return half, float(np.degrees(np.arctan2(vectors[1, 0], vectors[0, 0])))
 
 
-def height(axes: Axes, states: StateBlock, clock: Clock) -> int:
+def height(axes: Axes, states: Track, clock: Clock) -> int:
     """Draw the height over time with its σ; return how many points."""
     z = states.position[:, 2]
-    sigma = deviations(states)[:, 2]
+    sigma = states.sigma[:, 2]
     time, low, high = series.envelope(
         clock.times(states.stamp_ns),
         np.column_stack([z, z - sigma, z + sigma]),
@@ -142,20 +155,14 @@ def height(axes: Axes, states: StateBlock, clock: Clock) -> int:
     return 4 * len(time)
 
 
-def deviations(states: StateBlock) -> Array:
-    """Return the σ of the position, shape (n, 3) [m]."""
-    sigma: Array = np.sqrt(np.maximum(states.position_covariance[:, (0, 4, 8)], 0.0))
-    return sigma
-
-
-def velocity(axes: Axes, states: StateBlock, clock: Clock) -> int:
+def velocity(axes: Axes, states: Track, clock: Clock) -> int:
     """Draw the velocity over time; return how many points."""
     axes.set_ylabel('velocity [m/s]')
     return _over_time([axes] * 3, states.stamp_ns, states.velocity, clock)
 
 
 def acceleration(
-    axes: Sequence[Axes], block: AccelerationBlock, states: StateBlock | None, clock: Clock
+    axes: Sequence[Axes], block: Accelerations, states: Track | None, clock: Clock
 ) -> int:
     """Draw the linear acceleration over time, an axis in each plot; return how many points.
 
@@ -190,17 +197,18 @@ def _over_time(
     return points
 
 
-def rests(axes: Axes, states: StateBlock, clock: Clock) -> int:
+def rests(axes: Axes, states: Track, clock: Clock) -> int:
     """Shade where the sensor was taken to rest; return how many points."""
-    spans = series.intervals(clock.times(states.stamp_ns), states.stationary)
+    broken = series.breaks(states.stamp_ns)
+    spans = series.intervals(clock.times(states.stamp_ns), states.stationary, broken)
     if len(spans):
-        axes.broken_barh(spans, (0.0, 1.0), transform=axes.get_xaxis_transform(), **REST)
+        axes.broken_barh(spans.tolist(), (0.0, 1.0), transform=axes.get_xaxis_transform(), **REST)
     return 4 * len(spans)
 
 
-def uncertainty(axes: Axes, states: StateBlock, clock: Clock) -> int:
+def uncertainty(axes: Axes, states: Track, clock: Clock) -> int:
     """Draw the σ of the position over time, of the axes that are known; return how many points."""
-    sigma = deviations(states)
+    sigma = states.sigma
     known = sigma.max(axis=0) < 0.999 * UNMEASURED_VARIANCE**0.5
     points = _over_time([axes] * 3, states.stamp_ns, np.where(known, sigma, np.nan), clock)
     axes.set_ylabel('σ of the position [m]')
@@ -208,7 +216,7 @@ def uncertainty(axes: Axes, states: StateBlock, clock: Clock) -> int:
     return points
 
 
-def steps(axes: Sequence[Axes], columns: StepColumns, clock: Clock) -> int:
+def steps(axes: Sequence[Axes], columns: Steps, clock: Clock) -> int:
     """Draw cadence and length of the steps over time; return how many points."""
     time = clock.times(columns.stamp_ns)
     between = np.diff(columns.stamp_ns) / 1e9
@@ -228,24 +236,16 @@ def steps(axes: Sequence[Axes], columns: StepColumns, clock: Clock) -> int:
     return 20 * len(time)
 
 
-def events(axes: Axes, given: Sequence[Event], clock: Clock) -> int:
+def faults(axes: Axes, given: Sequence[Fault], clock: Clock) -> int:
     """Draw when something was dropped or found, a row for each class; return how many points."""
-    kinds = list(dict.fromkeys(e.kind for e in given))
     points = 0
-    for row, kind in enumerate(kinds):
-        stamps = np.array([e.stamp_ns for e in given if e.kind == kind])
-        places = np.unique(
-            np.rint((stamps - clock.start_ns) / 1e9 / clock.duration * series.COLUMNS)
-        )
-        times = places / series.COLUMNS * clock.duration / clock.scale
+    for row, fault in enumerate(given):
+        share = (np.array(fault.stamp_ns) - clock.start_ns) / 1e9 / clock.duration
+        places = np.unique(np.rint(share * series.COLUMNS)) / series.COLUMNS
+        times = places * clock.duration / clock.scale
         axes.plot(times, np.full(len(times), row), '|', color=RED, markersize=11)
         points += 10 * len(times)
-    axes.set_yticks(range(len(kinds)), kinds)
-    axes.set_ylim(len(kinds) - 0.4, -0.6)
+    axes.set_yticks(range(len(given)), [fault.kind for fault in given])
+    axes.set_ylim(len(given) - 0.4, -0.6)
     clock.finish(axes)
     return points
-
-
-def events_height(given: Sequence[Event]) -> float:
-    """Return how high a picture has to be for these events [in]."""
-    return 0.9 + 0.32 * len({e.kind for e in given})

@@ -73,10 +73,11 @@ def way(position: Array, broken: NDArray[np.bool_]) -> Array:
     return np.insert(position[kept], at, np.nan, axis=0)
 
 
-def intervals(time: Array, flags: NDArray[np.bool_]) -> Array:
+def intervals(time: Array, flags: NDArray[np.bool_], broken: NDArray[np.bool_]) -> Array:
     """Return where flags are set as rows of begin and length [s]; what a pixel hides is merged."""
-    edges = np.flatnonzero(np.diff(flags.astype(np.int8), prepend=0, append=0))
-    begin, end = time[edges[::2]], time[np.minimum(edges[1::2], len(time) - 1)]
+    before = np.append(False, flags[:-1]) & ~broken
+    after = np.append(flags[1:] & ~broken[1:], False)
+    begin, end = time[flags & ~before], time[flags & ~after]
     if not len(begin):
         return np.zeros((0, 2))
     pixel = (time[-1] - time[0]) / COLUMNS

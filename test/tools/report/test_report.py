@@ -1,7 +1,7 @@
 """Reports of simulated recordings, opened in a browser."""
 
 import time
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -9,8 +9,8 @@ from browser import assert_self_contained, opened
 
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.block_stages import blockwise
-from dead_reckoning.core.blocks import AccelerationBlock, ImuBlock, StateBlock
-from dead_reckoning.core.chain import Chain
+from dead_reckoning.core.blocks import ImuBlock, Stamped
+from dead_reckoning.core.chain import FAULT, Chain
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import GapError, InputError, NotFiniteError
 from dead_reckoning.core.gravity import GravityRemoval
@@ -30,10 +30,16 @@ from dead_reckoning.sources.driver import front_end, simulated_sensor
 from dead_reckoning.sources.driver_settings import DriverSettings
 from dead_reckoning.tools.presets import values_of
 from dead_reckoning.tools.report import write_report
-from dead_reckoning.tools.report.contents import Contents, Event, event, settings_of
+from dead_reckoning.tools.report.contents import (
+    Accelerations,
+    Collector,
+    Contents,
+    Fault,
+    Track,
+    settings_of,
+)
 
 START_NS = 1_700_000_000_000_000_000
-PARTS = (GravitySettings, IntegratorSettings, PedometerSettings, CommonSettings)
 
 SLIDE = {'driver.motion': 'slide', 'driver.slide.start': 2.0, 'integrator.movement_end': 'each'}
 WALK = {
@@ -63,9 +69,13 @@ def replayed(name, configuration, *blocks, on_foot=False):
     else:
         stages.append(integrator_stage(Integrator(configuration[IntegratorSettings], common)))
     chain = Chain([blockwise(stage) for stage in stages])
-    outputs = [output for block in blocks for output in chain.push(RAW, block)]
-    samples = sum(map(len, blocks))
-    return Contents.of(name, samples, outputs, settings_of(configuration, PARTS))
+    collector = Collector()
+    takers = collector.takers()
+    for block in blocks:
+        for topic, value in chain.push(RAW, block):
+            if topic in takers:
+                takers[topic](value)
+    return collector.contents(name, sum(map(len, blocks)), settings_of(configuration))
 
 
 @pytest.fixture(scope='module')
@@ -86,7 +96,8 @@ def written(path, contents):
 
 
 def test_blocks_become_one(slide):
-    assert len(slide.odometry) + sum(e.dropped for e in slide.events) == slide.samples
+    dropped = sum(len(fault.stamp_ns) for fault in slide.faults if fault.dropped)
+    assert len(slide.odometry.stamp_ns) + dropped == slide.samples
     assert (np.diff(slide.odometry.stamp_ns) > 0).all()
 
 
@@ -133,24 +144,30 @@ def test_an_hour_is_written_in_seconds_and_small(tmp_path):
     stamp_ns = START_NS + 5_000_000 * np.arange(count)
     noise = random.normal(0.0, 0.5, (count, 3))
     velocity = np.cumsum(noise, axis=0) * 0.01
-    covariance = np.tile(np.eye(3).ravel(), (count, 1))
-    states = StateBlock(
-        stamp_ns, np.cumsum(velocity, axis=0) * 0.005, velocity, np.zeros((count, 4)),
-        covariance, covariance, covariance, noise, covariance, random.random(count) < 0.5,
-    )  # fmt: skip
-    acceleration = AccelerationBlock(stamp_ns, 'imu_link', noise, covariance)
-    events = [Event(int(stamp), 'LateSampleError', 'late', True) for stamp in stamp_ns[::10]]
+    states = Track(
+        stamp_ns,
+        np.cumsum(velocity, axis=0) * 0.005,
+        velocity,
+        np.ones((count, 4)),
+        random.random(count) < 0.5,
+    )
+    contents = Contents(
+        name='hour',
+        samples=count,
+        odometry=states,
+        acceleration=Accelerations(stamp_ns, noise),
+        faults=[Fault('LateSampleError', 'late', True, stamp_ns[::10].tolist())],
+    )
     path = tmp_path / 'report.html'
     begun = time.process_time()
-    write_report(
-        path,
-        Contents(
-            name='hour', samples=count, odometry=states, acceleration=acceleration, events=events
-        ),
-    )
+    write_report(path, contents)
     assert time.process_time() - begun < 20.0
     assert path.stat().st_size < 3_000_000
     assert min(opened(path)[1]) > 0
+
+
+def begin(columns, count):
+    return type(columns)(**{f.name: getattr(columns, f.name)[:count] for f in fields(columns)})
 
 
 @pytest.mark.parametrize('count', [0, 1, 2])
@@ -158,9 +175,9 @@ def test_hardly_anything_makes_a_page_too(slide, tmp_path, count):
     contents = Contents(
         name='short',
         samples=count,
-        odometry=slide.odometry.part(0, count),
-        acceleration=slide.acceleration.part(0, count),
-        events=[event(0, NotFiniteError('nothing but NaN'))],
+        odometry=begin(slide.odometry, count),
+        acceleration=begin(slide.acceleration, count),
+        faults=[Fault('NotFiniteError', 'nothing but NaN', True, [0])],
     )
     page = written(tmp_path / 'report.html', contents)
     assert ('<h2>The way</h2>' in page) is (count > 0)
@@ -180,6 +197,10 @@ def test_a_page_is_whole_or_absent(slide, tmp_path):
 
 
 def test_findings_are_no_drops():
-    assert event(START_NS, NotFiniteError('x')).dropped
-    assert not event(START_NS, GapError('x')).dropped
-    assert Contents.of('empty', 0, ()).odometry is None
+    collector = Collector()
+    for error in (NotFiniteError('x'), GapError('y'), NotFiniteError('z')):
+        collector.takers()[FAULT](Stamped(START_NS, error))
+    first, second = collector.contents('faults', 3).faults
+    assert (first.kind, first.words, first.dropped) == ('NotFiniteError', 'x', True)
+    assert len(first.stamp_ns) == 2
+    assert not second.dropped

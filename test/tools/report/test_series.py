@@ -57,15 +57,18 @@ def test_way_is_as_exact_as_the_picture():
     assert jumps.max() < 3.0 * 10.0 / series.PIXELS
 
 
-def test_intervals_are_those_of_the_flags():
+def test_intervals_are_those_of_the_flags_and_end_at_gaps():
     time = 0.1 * np.arange(100)
-    flags = np.zeros(100, bool)
+    time[70:] += 10.0
+    flags, broken = np.zeros(100, bool), np.arange(100) == 70
     flags[10:20] = flags[50:] = True
-    np.testing.assert_allclose(series.intervals(time, flags), [(1.0, 1.0), (5.0, 4.9)])
-    assert series.intervals(time, np.zeros(100, bool)).shape == (0, 2)
+    np.testing.assert_allclose(
+        series.intervals(time, flags, broken), [(1.0, 0.9), (5.0, 1.9), (17.0, 2.9)]
+    )
+    assert series.intervals(time, np.zeros(100, bool), broken).shape == (0, 2)
 
 
 def test_flickering_is_one_interval_to_the_eye():
     time = 0.001 * np.arange(1_000_000)
     flags = np.arange(1_000_000) % 2 == 0
-    assert len(series.intervals(time, flags)) == 1
+    assert len(series.intervals(time, flags, np.zeros(len(time), bool))) == 1
