@@ -12,6 +12,10 @@ COMMANDS = {
         'dead_reckoning.tools.demo.command',
         'simulate a motion, run the nodes, compare with the truth',
     ),
+    'replay': (
+        'dead_reckoning.tools.replay.command',
+        'run the chain of a parameter file over recordings, faster than real time',
+    ),
     'reference': (
         'dead_reckoning.tools.reference.command',
         "run a document's own program, exact to the bit, on counts from a CSV file",

@@ -9,12 +9,14 @@ from rclpy.serialization import serialize_message
 from ros_harness import DEEP, RELIABLE, lossless
 from sensor_msgs.msg import Imu
 
+from dead_reckoning import wire
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import matrix_from_quaternion, normalized
 from dead_reckoning.core.stages import gravity_input
-from dead_reckoning.nodes import topics, wire
+from dead_reckoning.nodes.topics import message_class
+from dead_reckoning.topics import topics
 
 RATE = 200.0
 STEP_NS = round(NANOSECONDS / RATE)
@@ -88,11 +90,10 @@ def test_pipeline_over_dds_equals_the_chain_called_directly(ros, attitude, execu
     configuration = Configuration(settings)
     direct = Pipeline(configuration).chain
     assert gravity_input(attitude) == taken
-    spoken = topics.topics(configuration[FrameSettings])
-    recordings = {
-        topic: ros.record(topic, spoken[topic].message, raw=True).connected() for topic in given
-    }
-    stationary = ros.record('stationary', spoken['stationary'].message, ALL_OF_IT, raw=True)
+    spoken = topics(configuration[FrameSettings])
+    kinds = {name: message_class(topic) for name, topic in spoken.items()}
+    recordings = {name: ros.record(name, kinds[name], raw=True).connected() for name in given}
+    stationary = ros.record('stationary', kinds['stationary'], ALL_OF_IT, raw=True)
     publisher = ros.publisher(taken, Imu)
     expected = {topic: [] for topic in [*given, 'stationary']}
 

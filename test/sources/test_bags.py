@@ -13,6 +13,7 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from dead_reckoning import wire
 from dead_reckoning.core.errors import DependencyError, RecordingError
 from dead_reckoning.core.samples import UNKNOWN
 from dead_reckoning.sources.bags import read_imu, read_odometry, topics
@@ -195,7 +196,6 @@ def test_a_rate_of_huge_variance_is_not_measured(tmp_path, kind):
 
 @pytest.mark.parametrize('kind', ['sqlite3', 'mcap'])
 def test_bags_and_topics_are_read_alike(tmp_path, kind):
-    wire = pytest.importorskip('dead_reckoning.nodes.wire')
     store = get_typestore(Stores.ROS2_JAZZY)
     generator = np.random.default_rng(2)
     messages = Messages(store)
