@@ -70,36 +70,41 @@ def _cluster(address: str) -> Iterator[Executor]:
         yield client.get_executor(pure=False)
 
 
+def attempt(job: Job) -> Result | DeadReckoningError:
+    """Replay a recording; return what came of it, or why nothing did."""
+    try:
+        return run(job)
+    except DeadReckoningError as error:
+        return error
+
+
 def run_all(
     jobs: Sequence[Job], executor: Executor, progress: Progress
 ) -> list[Result | DeadReckoningError]:
-    """Replay all recordings; return for each what came of it or why nothing did, in order."""
-    futures = {executor.submit(run, job): index for index, job in enumerate(jobs)}
-    outcomes: list[Any] = [None] * len(jobs)
+    """Attempt all recordings; return the outcomes in order."""
+    futures = {executor.submit(attempt, job): number for number, job in enumerate(jobs)}
+    outcomes: dict[int, Result | DeadReckoningError] = {}
     for future in as_completed(futures):
-        job = jobs[futures[future]]
+        number = futures[future]
         try:
-            outcomes[futures[future]] = future.result()
-        except DeadReckoningError as error:
-            outcomes[futures[future]] = error
+            outcomes[number] = future.result()
         except Exception as error:  # a worker that was killed, say: the others go on
-            outcomes[futures[future]] = DeadReckoningError(
-                f'{job.path}: {type(error).__name__}: {error}'
+            outcomes[number] = DeadReckoningError(
+                f'{jobs[number].path}: {type(error).__name__}: {error}'
             )
         progress.add(1)
-    return outcomes
+    return [outcomes[number] for number in range(len(jobs))]
 
 
 def folders(paths: Sequence[Path], output: Path) -> list[Path]:
     """Return where the outputs of each input go: a folder each, named after it."""
     if len(paths) == 1:
         return [output]
-    taken: set[str] = set()
+    names: list[str] = []
     for path in paths:
-        stem = path.name if path.is_dir() else path.stem
-        name, number = stem, 1
-        while name in taken:
-            number += 1
-            name = f'{stem}-{number}'
-        taken.add(name)
-    return [output / name for name in dict.fromkeys(taken)]
+        stem = path.resolve().name if path.is_dir() else path.stem
+        name, number = stem, 2
+        while name in names:
+            name, number = f'{stem}-{number}', number + 1
+        names.append(name)
+    return [output / name for name in names]
