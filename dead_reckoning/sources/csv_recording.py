@@ -225,7 +225,7 @@ class CsvRecording:
         if not value.is_finite() or abs(value) >= LATEST:
             name = STAMP if scale == 1 else TIME
             raise InputError(
-                f'{where}: {name} is {_shown(cell)}, which is no time of this century'
+                f'{where}: {name} is {_shown(cell)}, which is no time that a message holds'
             )
         return int(value.to_integral_value())
 
