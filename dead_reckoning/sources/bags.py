@@ -7,7 +7,7 @@ message does not measure is None (REP-145).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from itertools import groupby, islice
 from operator import itemgetter
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from rosbags.rosbag2 import Reader as Reader2
 
     Reader = Reader1 | Reader2
-    Raw = tuple[str, int, bytes]
 
 IMU = 'sensor_msgs/msg/Imu'
 ODOMETRY = 'nav_msgs/msg/Odometry'
@@ -81,17 +80,19 @@ def read_blocks(path: Path, topics: Collection[str]) -> Iterator[tuple[str, ImuB
     A block ends where another topic or another frame_id follows.  A message that can't be read is
     a `WireError`, stamped with when it was recorded.  Raises `RecordingError` as `read_imu` does.
     """
-    recorded = _messages(path, topics, IMU)
+    reader, connections, convert = _open(path, topics, IMU)
 
     def blocks() -> Iterator[tuple[str, ImuBlock | Stamped]]:
-        while some := list(islice(recorded, BLOCK)):
-            for topic, group in groupby(some, itemgetter(0)):
-                _, times, messages = zip(*group, strict=True)
-                for index, made in decode_imus(messages):
-                    if isinstance(made, WireError):
-                        yield topic, Stamped(times[index], made)
-                    else:
-                        yield topic, made
+        with _explained(path), closing(reader):
+            recorded = reader.messages(connections)
+            while some := list(islice(recorded, BLOCK)):
+                for connection, group in groupby(some, itemgetter(0)):
+                    _, times, messages = zip(*group, strict=True)
+                    for index, made in decode_imus(list(map(convert, messages))):
+                        if isinstance(made, WireError):
+                            yield connection.topic, Stamped(times[index], made)
+                        else:
+                            yield connection.topic, made
 
     return blocks()
 
@@ -100,34 +101,29 @@ def _read(
     path: Path, topic: str | None, message_type: str, decode: Callable[[bytes], Sample]
 ) -> Iterator[Sample]:
     topic = _choose(path, topics(path), topic, message_type)
-    recorded = _messages(path, [topic], message_type)
+    reader, connections, convert = _open(path, [topic], message_type)
 
     def samples() -> Iterator[Sample]:
-        with closing(recorded), _explained(path):
-            for _, _, data in recorded:
-                yield decode(data)
+        with _explained(path), closing(reader):
+            for _, _, data in reader.messages(connections):
+                yield decode(convert(data))
 
     return samples()
 
 
-def _messages(path: Path, chosen: Collection[str], message_type: str) -> Generator[Raw]:
-    """Open a recording; return topics, times [ns] and little-endian CDR in its order."""
+def _open(
+    path: Path, chosen: Collection[str], message_type: str
+) -> tuple[Reader, list[Connection], Callable[[bytes], bytes]]:
+    """Open a recording; return it, some topics of it, and what makes little-endian CDR of them."""
     with _explained(path):
         reader = _reader(path)
         reader.open()
         try:
             connections = [c for c in reader.connections if c.topic in chosen]
-            convert = _converter(path, connections, message_type)
+            return reader, connections, _converter(path, connections, message_type)
         except BaseException:
             reader.close()
             raise
-
-    def messages() -> Generator[Raw]:
-        with _explained(path), closing(reader):
-            for connection, time_ns, data in reader.messages(connections):
-                yield connection.topic, time_ns, convert(data)
-
-    return messages()
 
 
 @contextmanager
@@ -215,8 +211,8 @@ def _converter(
     """
     from rosbags.typesys import Stores, get_typestore
 
-    store = get_typestore(Stores.ROS2_JAZZY)
-    if _is_ros1(path):
+    store, ros1 = get_typestore(Stores.ROS2_JAZZY), _is_ros1(path)
+    if ros1:
         checksum = get_typestore(Stores.ROS1_NOETIC).generate_msgdef(message_type)[1]
     else:
         checksum = store.hash_rihs01(message_type)
@@ -227,23 +223,18 @@ def _converter(
                 f'(checksum {connection.digest}, not {checksum})'
             )
 
-    def from_ros1(data: bytes) -> bytes:
-        return bytes(store.ros1_to_cdr(data, message_type))
-
-    def from_any_order(data: bytes) -> bytes:
-        if data[:2] == wire.LITTLE_ENDIAN[:2]:
+    def convert(data: bytes) -> bytes:
+        if data[:2] == wire.LITTLE_ENDIAN[:2] and not ros1:
             return data
-        return bytes(store.serialize_cdr(store.deserialize_cdr(data, message_type), message_type))
-
-    convert = from_ros1 if _is_ros1(path) else from_any_order
-
-    def converted(data: bytes) -> bytes:
         try:
-            return convert(data)
+            if ros1:
+                return bytes(store.ros1_to_cdr(data, message_type))
+            message = store.deserialize_cdr(data, message_type)
+            return bytes(store.serialize_cdr(message, message_type))
         except Exception:  # rosbags lets through whatever its parsers trip over
             return data  # which no decoder takes for a message
 
-    return converted
+    return convert
 
 
 class BagWriter:
