@@ -260,10 +260,9 @@ def test_what_was_written_is_a_recording(tmp_path):
     assert {sample.stamp_ns for sample in read_imu(path)} == {5, -3, 8}
     with Reader2(path) as reader:
         assert sorted(time_ns for _, time_ns, _ in reader.messages()) == [0, 5, 6, 8]
-        durability = {
-            c.topic: c.ext.offered_qos_profiles[0].durability for c in reader.connections
-        }
-    assert durability == {'/imu': QosDurability.VOLATILE, '/rest': QosDurability.TRANSIENT_LOCAL}
+        profiles = {c.topic: c.ext.offered_qos_profiles[0] for c in reader.connections}
+    assert profiles['/imu'].durability == QosDurability.VOLATILE
+    assert profiles['/rest'].durability == QosDurability.TRANSIENT_LOCAL
 
 
 def test_topics_and_their_types(tmp_path, kind):
