@@ -25,7 +25,7 @@ setup(
     python_requires='>=3.10',
     # ROS itself is no pip requirement: it comes from the sourced installation.
     install_requires=['filterpy', 'matplotlib', 'numpy', 'pyserial', 'PyYAML', 'rosbags', 'scipy'],
-    extras_require={'test': ['hypothesis', 'pytest']},
+    extras_require={'cluster': ['distributed'], 'test': ['hypothesis', 'pytest']},
     zip_safe=True,
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),

@@ -32,6 +32,9 @@ and what is new of them comes out."""
 LEVELLED = 'levelled'
 """No topic: what gravity removal made of a sample, acceleration and attitude together."""
 
+STEP = 'step'
+"""No topic: the `PedometerState` of each step."""
+
 PEDOMETER_OUTPUTS = (STEPS, DISTANCE, STEP_LENGTH, CADENCE, STEP_ODOMETRY)
 
 
@@ -182,6 +185,8 @@ def pedometer_stage(
             outputs.append((FAULT, error))
         for state in states:
             outputs.extend(changes(state))
+            if state.duration > 0.0:  # else the walk ended
+                outputs.append((STEP, state))
             walked = odometry.update(state)
             if walked is not None:
                 outputs.append((STEP_ODOMETRY, walked))

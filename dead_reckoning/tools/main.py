@@ -16,6 +16,10 @@ COMMANDS = {
         'dead_reckoning.tools.evaluate.command',
         'compare what replay wrote with the truth: poses, steps or a distance',
     ),
+    'replay': (
+        'dead_reckoning.tools.replay.command',
+        'run the chain of a parameter file over recordings, faster than real time',
+    ),
     'reference': (
         'dead_reckoning.tools.reference.command',
         "run a document's own program, exact to the bit, on counts from a CSV file",

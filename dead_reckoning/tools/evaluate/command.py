@@ -51,7 +51,7 @@ def main(arguments: argparse.Namespace) -> int:
     """Compare, print the tables and write evaluation.json; return the exit status."""
     from dead_reckoning.tools.evaluate.comparison import Options, compare
     from dead_reckoning.tools.evaluate.text import text
-    from dead_reckoning.tools.whole import written_whole
+    from dead_reckoning.tools.files import complete_or_absent
 
     if arguments.truth is None and arguments.steps is None and arguments.distance is None:
         raise InputError('nothing to compare with: name --truth, --steps or --distance')
@@ -62,8 +62,9 @@ def main(arguments: argparse.Namespace) -> int:
     given = vars(arguments)
     evaluation = compare(Options(**{name: given[name] for name in Options.__dataclass_fields__}))
     output = arguments.output or arguments.folder / 'evaluation.json'
-    with written_whole(output) as partial:
-        partial.write_text(json.dumps(evaluation, indent=2) + '\n', encoding='utf-8')
+    with complete_or_absent(output.parent, [output.name]) as folder:
+        figures = json.dumps(evaluation, indent=2)
+        (folder / output.name).write_text(f'{figures}\n', encoding='utf-8')
     print(text(evaluation))
     print(f'\nfigures  {output}')
     return 0

@@ -16,13 +16,12 @@ from dead_reckoning.core.errors import ReadingError, SampleError, WireError
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.parameters import Derived, Parts, Settings
-from dead_reckoning.core.pedometer import PedometerSettings
+from dead_reckoning.core.pedometer import PedometerSettings, PedometerState
 from dead_reckoning.core.pipeline import PipelineSettings
 from dead_reckoning.core.stages import (
     ACCELERATION,
-    DISTANCE,
     ODOMETRY,
-    STEP_LENGTH,
+    STEP,
     STEP_ODOMETRY,
     STEPS,
 )
@@ -127,7 +126,8 @@ class Collector:
 
     def __init__(self) -> None:
         self._columns: dict[str, list[tuple[Any, ...]]] = {}
-        self._totals: dict[str, list[Stamped]] = {}
+        self._steps: list[PedometerState] = []
+        self._counts = False
         self._faults: dict[str, Fault] = {}
         self._notices: list[tuple[int, str]] = []
 
@@ -137,10 +137,8 @@ class Collector:
             ODOMETRY: lambda block: self._add(ODOMETRY, _track(block)),
             STEP_ODOMETRY: lambda block: self._add(STEP_ODOMETRY, _track(block)),
             ACCELERATION: lambda block: self._add(ACCELERATION, _acceleration(block)),
-            **{
-                name: self._totals.setdefault(name, []).append
-                for name in (STEPS, DISTANCE, STEP_LENGTH)
-            },
+            STEPS: self._begin,
+            STEP: lambda said: self._steps.append(said.value),
             FAULT: self._note,
             NOTICE: lambda said: self._notices.append((said.stamp_ns, said.value)),
         }
@@ -159,7 +157,7 @@ class Collector:
             odometry=Track(*odometry) if odometry else None,
             acceleration=Accelerations(*acceleration) if acceleration else None,
             walked=Track(*walked) if walked else None,
-            steps=_steps(self._totals) if self._totals.get(STEPS) else None,
+            steps=_steps(self._steps) if self._counts else None,
             faults=list(self._faults.values()),
             notices=self._notices,
             settings=settings,
@@ -167,6 +165,9 @@ class Collector:
 
     def _add(self, topic: str, columns: tuple[Any, ...]) -> None:
         self._columns.setdefault(topic, []).append(columns)
+
+    def _begin(self, _: Stamped) -> None:
+        self._counts = True
 
     def _note(self, fault: Stamped) -> None:
         error = fault.value
@@ -217,16 +218,12 @@ def _acceleration(block: AccelerationBlock) -> tuple[Any, ...]:
     return block.stamp_ns, block.acceleration
 
 
-def _steps(totals: Mapping[str, Sequence[Stamped]]) -> Steps:
-    """Return the steps; length and distance, which come on change, are the last that came."""
-    counted = [total for total in totals[STEPS] if total.value > 0]
-    stamp_ns = np.array([total.stamp_ns for total in counted], dtype=np.int64)
-
-    def latest(name: str) -> Array:
-        stamps = np.array([value.stamp_ns for value in totals[name]])
-        values = np.array([value.value for value in totals[name]], dtype=float)
-        found: Array = values[np.searchsorted(stamps, stamp_ns, side='right') - 1]
-        return found
-
-    step = np.array([total.value for total in counted], dtype=np.int64)
-    return Steps(stamp_ns, step, latest(STEP_LENGTH), latest(DISTANCE))
+def _steps(states: Sequence[PedometerState]) -> Steps:
+    rows = [(s.stamp_ns, s.steps, s.step_length, s.distance) for s in states]
+    stamp_ns, step, step_length, distance = np.array(rows, dtype=object).reshape(-1, 4).T
+    return Steps(
+        stamp_ns.astype(np.int64),
+        step.astype(np.int64),
+        step_length.astype(float),
+        distance.astype(float),
+    )

@@ -16,7 +16,6 @@ from dead_reckoning.tools.report import plots
 from dead_reckoning.tools.report.contents import Accelerations, Contents, Fault, Setting, Track
 from dead_reckoning.tools.report.plots import Clock, picture
 from dead_reckoning.tools.report.series import elapsed
-from dead_reckoning.tools.whole import written_whole
 
 Columns = TypeVar('Columns', Track, Accelerations)
 
@@ -25,13 +24,8 @@ EPOCH_NS = 946_684_800_000_000_000
 
 
 def write_report(path: Path, contents: Contents) -> None:
-    """Write the page about a recording to ``path``, whole or not at all.
-
-    Raises `InputError` where it can't be written.
-    """
-    text = page(contents)
-    with written_whole(path) as partial:
-        partial.write_text(text, encoding='utf-8')
+    """Write the page about a recording to ``path``."""
+    path.write_text(page(contents), encoding='utf-8')
 
 
 def page(contents: Contents) -> str:

@@ -198,7 +198,7 @@ def test_quaternion_of_zeros_is_no_rotation(folder, tmp_path, capsys):
         (None, ['--truth', 'nowhere.bag'], 'no such file'),
         (None, ['--topic', '/odom', '--steps', '1'], 'which is missing'),
         (None, [], 'nothing to compare with'),
-        (None, ['--steps', '3', '--output', 'no/such/folder.json'], 'can not be written'),
+        (None, ['--steps', '3', '--output', 'truth.csv/figures.json'], 'truth.csv'),
     ],
 )
 def test_what_is_missing_is_named(folder, truth, capsys, monkeypatch, missing, arguments, words):
