@@ -137,7 +137,7 @@ def _poses(whole_truth: Trajectory, whole_estimate: Trajectory, options: Options
         'end_error_m': float(apart[-1]),
     }
     if estimate.deviation is not None:
-        figures['error_over_sigma'] = consistency(truth, estimate, alignment)
+        figures['error_over_sigma'] = consistency(truth, estimate, alignment.rotation)
     return figures
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from dead_reckoning.core.errors import InputError
 from dead_reckoning.core.samples import UNMEASURED_VARIANCE
-from dead_reckoning.tools.evaluate.trajectory import Alignment, Array, Indices, Trajectory
+from dead_reckoning.tools.evaluate.trajectory import Array, Indices, Trajectory
 
 SLACK_NS = 1000
 """Stamps that were seconds as decimals once are off by less; a delta must not skip a pose."""
@@ -85,18 +86,20 @@ def _marks(estimate: Trajectory, delta: float, unit: str) -> Indices:
 
 
 def consistency(
-    truth: Trajectory, estimate: Trajectory, alignment: Alignment
+    truth: Trajectory, estimate: Trajectory, turn: Rotation
 ) -> dict[str, dict[str, float]]:
     """Say for each axis of the estimate whether its σ is as large as its error.
 
-    ``estimate`` as it came, not aligned: the truth is moved back to it instead, as σ belongs to
-    its axes.  rms of error / σ (1 where σ is right), the share within 3 σ (0.997), and how many
-    poses count: those at which σ is more than nothing, and less than that of what nobody measures.
-    Axes without such a pose are left out.
+    ``estimate`` as it came, not aligned: the truth is turned back to it instead, as σ belongs to
+    its axes, and moved so that both start at one place, as σ is about the way from there.  rms of
+    error / σ (1 where σ is right), the share within 3 σ (0.997), and how many poses count: those
+    at which σ is more than nothing, and less than that of what nobody measures.  Axes without such
+    a pose are left out.
     """
     assert estimate.deviation is not None
-    back = alignment.rotation.inv()
-    errors = estimate.position - back.apply(truth.position - alignment.translation)
+    way = estimate.position - estimate.position[0]
+    true_way = turn.inv().apply(truth.position - truth.position[0])
+    errors = way - true_way
     found = {}
     for k, axis in enumerate('xyz'):
         sigma = estimate.deviation[:, k]

@@ -239,7 +239,7 @@ def _closure(states: Track) -> float:
 
 
 def _end(states: Track, axes: int) -> tuple[str, str]:
-    at = ', '.join(f'{0.0 + round(v, 3):.4g}' for v in states.position[-1, :axes].tolist())
+    at = ', '.join(f'{0.0 + round(v, 3):.3g}' for v in states.position[-1, :axes].tolist())
     sigma = ', '.join(f'{v:.2g}' for v in states.sigma[-1, :axes].tolist())
     return f'at {at} m', f'σ {sigma} m'
 

@@ -79,7 +79,9 @@ def test_estimate_one_percent_too_long(folder, truth, capsys):
     assert found['rpe']['unit'] == 's'
     assert found['rpe']['translation_m']['rmse'] == pytest.approx(0.02 * 2**0.5, rel=1e-3)
     assert found['path_length_m'] == pytest.approx(1.01 * found['truth']['path_length_m'])
-    assert found['error_over_sigma']['x']['rms'] == pytest.approx(0.2 / 2**0.5)
+    # From the same start on the way is 1 % too long; σ is 0.1 m.
+    expected = np.sqrt(np.mean((0.01 * poses(yaw=1.0)[:, 1] / 0.1) ** 2))
+    assert found['error_over_sigma']['x']['rms'] == pytest.approx(expected)
     assert found['error_over_sigma']['x']['within_3_sigma'] == 1.0
     printed = capsys.readouterr().out
     assert '400 pairs of 400 poses and 400 of the truth, aligned by heading' in printed

@@ -193,8 +193,10 @@ def test_right_deviation_gives_a_ratio_of_one_and_half_of_it_gives_two():
     truth = Trajectory(stamp_ns, np.zeros((count, 3)), attitude)
     # Axes are those of the estimate, however the truth lies.
     moved = Alignment(Rotation.from_rotvec((0.3, 0.2, 1.5)), np.array([1.0, 2.0, 3.0]))
-    estimate = replace(truth, position=random.normal(0.0, sigma), deviation=sigma * (1, 1, 0.5))
-    found = consistency(moved.apply(truth), estimate, moved)
+    position = random.normal(0.0, sigma)
+    position[0] = 0.0  # both start at one place
+    estimate = replace(truth, position=position, deviation=sigma * (1, 1, 0.5))
+    found = consistency(moved.apply(truth), estimate, moved.rotation)
     assert found['x']['rms'] == pytest.approx(1.0, abs=0.02)
     assert found['y']['rms'] == pytest.approx(1.0, abs=0.02)
     assert found['z']['rms'] == pytest.approx(2.0, abs=0.04)
@@ -204,8 +206,10 @@ def test_right_deviation_gives_a_ratio_of_one_and_half_of_it_gives_two():
 def test_deviation_of_nothing_and_of_what_nobody_measures_does_not_count():
     truth = spiral(4)
     sigma = np.column_stack([[0.0, 0.1, 0.1, 0.1], np.zeros(4), np.full(4, 1000.0)])
-    estimate = replace(truth, position=truth.position + 0.1, deviation=sigma)
-    found = consistency(truth, estimate, align(truth, estimate, 'none'))
+    off = np.array([[0.0], [0.1], [0.1], [0.1]])
+    # That the start is known to be elsewhere does not matter: σ is about the way from there.
+    estimate = replace(truth, position=truth.position + off + 7.0, deviation=sigma)
+    found = consistency(truth, estimate, Rotation.identity())
     assert list(found) == ['x']
     assert found['x']['samples'] == 3
     assert found['x']['rms'] == pytest.approx(1.0)
