@@ -227,7 +227,9 @@ def _settings(settings: Sequence[Setting]) -> str:
 
 
 def _length(states: Track) -> float:
-    return float(np.linalg.norm(np.diff(states.position, axis=0), axis=1).sum())
+    """Return the length of the way [m], without the jump at a restart."""
+    moved = np.linalg.norm(np.diff(states.position, axis=0), axis=1)
+    return float(moved[np.diff(states.stamp_ns) > 0].sum())
 
 
 def _speed(states: Track) -> str:

@@ -1,5 +1,6 @@
 """Reports of simulated recordings, opened in a browser."""
 
+import re
 import time
 from dataclasses import fields, replace
 
@@ -182,6 +183,23 @@ def test_hardly_anything_makes_a_page_too(slide, tmp_path, count):
     page = written(tmp_path / 'report.html', contents)
     assert ('<h2>The way</h2>' in page) is (count > 0)
     assert '<td>1 dropped</td><td>stamp 0</td>' in page or count == 0
+
+
+def test_restart_is_no_way(slide, tmp_path):
+    """The stamps of a second run go back by an hour; the time of the pictures goes on."""
+    first, second = slide.odometry, begin(slide.odometry, 300)
+    both = Track(
+        *(np.concatenate([getattr(first, f.name), getattr(second, f.name)]) for f in fields(first))
+    )
+    both.stamp_ns[-300:] -= 3_600_000_000_000
+    contents = Contents(name='twice', samples=len(both.stamp_ns), odometry=both)
+    page = written(tmp_path / 'report.html', contents)
+    length = np.linalg.norm(np.diff(first.position, axis=0), axis=1).sum()
+    length += np.linalg.norm(np.diff(second.position, axis=0), axis=1).sum()
+    assert f'<dt>length of the way</dt><dd>{length:.3g} m' in page
+    begun = float(re.search(r'<dt>duration</dt><dd>([0-9.]+) s', page).group(1))
+    spans = [np.ptp(track.stamp_ns) / 1e9 for track in (first, second)]
+    assert begun == pytest.approx(sum(spans), abs=0.05)
 
 
 def test_a_page_is_written_the_same_again(slide, tmp_path):
