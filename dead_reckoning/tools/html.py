@@ -19,6 +19,7 @@ body { font: 16px/1.5 system-ui, sans-serif; color: var(--text); background: var
        max-width: 62em; margin: 2em auto; padding: 0 1.5em; }
 h1 { font-weight: 600; margin-bottom: 0; overflow-wrap: anywhere; }
 h2 { font-weight: 600; margin: 2em 0 0.3em; }
+section { overflow-x: auto; }
 p { margin: 0.6em 0; }
 .lead { color: var(--soft); margin-top: 0.3em; }
 table { border-collapse: collapse; margin: 1em 0; font-variant-numeric: tabular-nums; }
