@@ -66,18 +66,19 @@ def decode_imus(messages: Sequence[bytes]) -> Iterator[tuple[int, ImuBlock | Wir
     index = 0
     for length, group in groupby(messages, len):
         run = list(group)
-        for begin, end in _runs(run, length):
-            part = run[begin:end]
-            made = _imus(b''.join(part), length)
-            yield from [(index + begin, made)] if made else _one_by_one(part, index + begin)
+        joined = b''.join(run)
+        for begin, end in _runs(joined, length) if length >= TEXT_AT else [(0, len(run))]:
+            made = _imus(joined[begin * length : end * length], length)
+            if made is not None:
+                yield index + begin, made
+            else:
+                yield from _one_by_one(run[begin:end], index + begin)
         index += len(run)
 
 
-def _runs(messages: Sequence[bytes], length: int) -> list[tuple[int, int]]:
+def _runs(joined: bytes, length: int) -> list[tuple[int, int]]:
     """Cut messages of one length where the frame id changes, and around those that are none."""
-    if length < TEXT_AT:
-        return [(0, len(messages))]
-    rows = np.frombuffer(b''.join(messages), np.uint8).reshape(-1, length)
+    rows = np.frombuffer(joined, np.uint8).reshape(-1, length)
     text = rows[:, HEAD.itemsize : TEXT_AT].copy().view(LENGTH)[:, 0].astype(np.int64)
     nanosec = rows[:, 8:12].copy().view('<u4')[:, 0]
     fits = (doubles_at(text) + IMU.itemsize <= length) & (nanosec < NANOSECONDS)

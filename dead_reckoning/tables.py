@@ -70,7 +70,8 @@ def digits(values: NDArray[np.float64]) -> list[str]:
 
 def lines(columns: Iterable[Sequence[str]], separator: str = ',') -> str:
     """Return columns of text as lines."""
-    return ''.join(f'{line}\n' for line in map(separator.join, zip(*columns, strict=True)))
+    text = '\n'.join(map(separator.join, zip(*columns, strict=True)))
+    return f'{text}\n' if text else ''
 
 
 class OdometryLog:

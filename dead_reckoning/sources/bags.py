@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from itertools import groupby, islice
-from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -36,8 +34,8 @@ IMU = 'sensor_msgs/msg/Imu'
 ODOMETRY = 'nav_msgs/msg/Odometry'
 POSE = 'geometry_msgs/msg/PoseStamped'
 
-BLOCK = 8192
-"""Most messages of a block: enough that its arrays outweigh what a block costs."""
+BLOCK = 4096
+"""Most messages of a block: enough that a block costs nothing, and few for the cache."""
 
 
 SUFFIXES = ('.bag', '.mcap', '.db3')
@@ -92,17 +90,27 @@ def read_blocks(path: Path, topics: Collection[str]) -> Iterator[tuple[str, ImuB
     """
     reader, connections, convert = _open(path, topics, IMU)
 
+    def decoded(
+        topic: str, times: Sequence[int], messages: Sequence[bytes]
+    ) -> Iterator[tuple[str, ImuBlock | Stamped]]:
+        for index, made in decode_imus(list(map(convert, messages))):
+            if isinstance(made, WireError):
+                yield topic, Stamped(times[index], made)
+            else:
+                yield topic, made
+
     def blocks() -> Iterator[tuple[str, ImuBlock | Stamped]]:
+        topic = ''
+        times: list[int] = []  # two lists: a tuple for each message would keep the
+        messages: list[bytes] = []  # garbage collector busy
         with _explained(path), closing(reader):
-            recorded = reader.messages(connections)
-            while some := list(islice(recorded, BLOCK)):
-                for connection, group in groupby(some, itemgetter(0)):
-                    _, times, messages = zip(*group, strict=True)
-                    for index, made in decode_imus(list(map(convert, messages))):
-                        if isinstance(made, WireError):
-                            yield connection.topic, Stamped(times[index], made)
-                        else:
-                            yield connection.topic, made
+            for connection, time_ns, data in reader.messages(connections):
+                if connection.topic != topic or len(messages) == BLOCK:
+                    yield from decoded(topic, times, messages)
+                    topic, times, messages = connection.topic, [], []
+                times.append(time_ns)
+                messages.append(data)
+            yield from decoded(topic, times, messages)
 
     return blocks()
 

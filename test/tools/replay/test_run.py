@@ -26,6 +26,7 @@ from dead_reckoning.core.errors import InputError, RecordingError
 from dead_reckoning.core.stages import ACCELERATION, IMU, ODOMETRY, RAW, STEP, STEP_ODOMETRY
 from dead_reckoning.tables import ODOMETRY_COLUMNS, odometry_row
 from dead_reckoning.tools.replay import run as replay
+from dead_reckoning.tools.replay.outputs.odometry import seconds
 from dead_reckoning.tools.replay.run import Job, run
 from dead_reckoning.topics import topics
 
@@ -109,6 +110,15 @@ def test_tum_holds_the_same_poses(tmp_path):
         assert len(fraction) == 9
         assert int(seconds) * 10**9 + int(fraction) == int(row['stamp_ns'])
         assert pose == [row[name] for name in ('px', 'py', 'pz', 'qx', 'qy', 'qz', 'qw')]
+
+
+def test_seconds_have_nine_decimals():
+    stamps = ['1700000000123456789', '-1700000000123456789', '10000000000', '-1000000001']
+    wanted = ['1700000000.123456789', '-1700000000.123456789', '10.000000000', '-1.000000001']
+    assert seconds(stamps) == wanted
+    stamps += ['1', '-1', '999999999', '-1000000000']
+    wanted += ['0.000000001', '-0.000000001', '0.999999999', '-1.000000000']
+    assert seconds(stamps) == wanted
 
 
 def test_summary_says_what_the_tables_do(tmp_path):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -25,13 +25,13 @@ def write(folder: Path, task: Task) -> Iterator[Takers]:
         def take(block: StateBlock) -> None:
             columns = odometry_columns(block)
             table.write(lines(columns))
-            tum.write(lines([map(seconds, columns[0]), *columns[1:8]], ' '))
+            tum.write(lines([seconds(columns[0]), *columns[1:8]], ' '))
 
         yield {ODOMETRY: take}
 
 
-def seconds(nanoseconds: str) -> str:
+def seconds(nanoseconds: Sequence[str]) -> list[str]:
     """Turn whole nanoseconds into seconds, as text and so exactly."""
-    sign, digits = ('-', nanoseconds[1:]) if nanoseconds[0] == '-' else ('', nanoseconds)
-    digits = digits.zfill(10)
-    return f'{sign}{digits[:-9]}.{digits[-9:]}'
+    if min(map(len, nanoseconds)) < 11:  # around the first second of 1970
+        nanoseconds = [f'{int(text):0{10 + (text[0] == "-")}}' for text in nanoseconds]
+    return [f'{text[:-9]}.{text[-9:]}' for text in nanoseconds]
