@@ -34,7 +34,7 @@ setup(
         'rosbags',
         'scipy',
     ],
-    extras_require={'test': ['hypothesis', 'pytest']},
+    extras_require={'cluster': ['distributed'], 'test': ['hypothesis', 'pytest']},
     zip_safe=True,
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),

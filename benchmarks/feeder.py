@@ -21,7 +21,7 @@ from sensor_msgs.msg import Imu
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.samples import NANOSECONDS, ImuSample, Matrix
 from dead_reckoning.core.stages import ODOMETRY, RAW
-from dead_reckoning.nodes.wire import encode_imu
+from dead_reckoning.wire import encode_imu
 
 DEPTH = 1000
 FORCE_NOISE: Matrix = (1e-4, 0.0, 0.0, 0.0, 1e-4, 0.0, 0.0, 0.0, 1e-4)

@@ -19,9 +19,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.accuracy.report import table
 from dead_reckoning.core.reference import an900, an3397, mbed
 from dead_reckoning.core.reference.mbed import Constants
+from dead_reckoning.tools.table import table
 
 CONVERSIONS = 1_000_000
 

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.accuracy.report import table
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.samples import NavigationState
 from dead_reckoning.core.stages import ODOMETRY, RAW
 from dead_reckoning.sources.driver import front_end, simulated_sensor
 from dead_reckoning.sources.driver_settings import DriverSettings
+from dead_reckoning.tools.table import table
 
 Array = NDArray[np.float64]
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from math import sqrt
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
+import numpy as np
+from numpy.typing import NDArray
+
+from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.chain import Stage
 from dead_reckoning.core.errors import DeadReckoningError
 from dead_reckoning.core.rotation import yaw_from_quaternion
@@ -38,6 +42,36 @@ def odometry_row(state: NavigationState) -> tuple[float, ...]:
         *(sqrt(max(0.0, covariance[k])) for k in (0, 4, 8)),
         int(state.stationary),
     )
+
+
+def odometry_columns(block: StateBlock) -> list[list[str]]:
+    """Return states as columns of text, those of `ODOMETRY_COLUMNS`."""
+    deviation = np.sqrt(np.maximum(0.0, block.position_covariance[:, [0, 4, 8]]))
+    numbers = (block.position, block.attitude, block.velocity, deviation)
+    return [
+        list(map(str, block.stamp_ns.tolist())),
+        *(digits(column) for part in numbers for column in part.T),
+        ['1' if flag else '0' for flag in block.stationary.tolist()],
+    ]
+
+
+def digits(values: NDArray[np.float64]) -> list[str]:
+    """Return each value in as many digits as it takes to read the same double back.
+
+    What repeats is written once: digits take most of the time, and much rests.
+    """
+    bits: NDArray[Any] = np.ascontiguousarray(values).view(np.int64)
+    new = np.flatnonzero(np.append(True, bits[1:] != bits[:-1])[: len(bits)])
+    written = list(map(repr, values[new].tolist()))
+    if len(new) == len(bits):
+        return written
+    return np.array(written, dtype=object).repeat(np.diff(new, append=len(bits))).tolist()
+
+
+def lines(columns: Iterable[Sequence[str]], separator: str = ',') -> str:
+    """Return columns of text as lines."""
+    text = '\n'.join(map(separator.join, zip(*columns, strict=True)))
+    return f'{text}\n' if text else ''
 
 
 class OdometryLog:

@@ -29,6 +29,9 @@ IMPORTED_BY = {
 }
 """Rosdep keys that are not the name one imports."""
 IMPORTED_FROM_PIP = {'PyYAML': 'yaml', 'pyserial': 'serial'}
+OPTIONAL = {'distributed'}
+"""What only those install who ask for what needs it."""
+
 FROM_ROS = {
     'ament_index_python',
     'builtin_interfaces',
@@ -102,7 +105,7 @@ def test_the_manifest_is_format_3_of_an_ament_python_package(manifest):
 
 def test_each_import_has_its_rosdep_key_and_each_key_is_imported(manifest):
     declared = [e.text for e in manifest if e.tag == 'exec_depend']
-    imported = third_party(PACKAGE, 'launch', 'benchmarks')
+    imported = third_party(PACKAGE, 'launch', 'benchmarks') - OPTIONAL
     assert sorted(declared) == sorted(set(declared))
     assert {IMPORTED_BY.get(key, key) for key in declared} == imported
 
@@ -110,12 +113,14 @@ def test_each_import_has_its_rosdep_key_and_each_key_is_imported(manifest):
 def test_the_tests_imports_have_their_rosdep_keys(manifest):
     declared = {e.text for e in manifest if e.tag in ('exec_depend', 'test_depend')}
     known = {IMPORTED_BY.get(key, key) for key in declared}
-    assert third_party('test') - {'setuptools'} <= known
+    assert third_party('test') - {'setuptools'} - OPTIONAL <= known
 
 
 def test_pip_requires_what_is_imported_and_does_not_come_with_ros(setup_arguments):
     required = {IMPORTED_FROM_PIP.get(name, name) for name in setup_arguments['install_requires']}
-    assert required == third_party(PACKAGE, 'benchmarks') - FROM_ROS
+    extras = setup_arguments['extras_require']
+    assert {name for extra in extras if extra != 'test' for name in extras[extra]} == OPTIONAL
+    assert required == third_party(PACKAGE, 'benchmarks') - FROM_ROS - OPTIONAL
 
 
 def test_setup_and_manifest_agree(manifest, setup_arguments):

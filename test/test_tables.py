@@ -2,8 +2,10 @@
 
 import math
 
+import numpy as np
 import pytest
 
+from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.rotation import quaternion_from_euler
 from dead_reckoning.core.samples import LinearAcceleration, NavigationState
@@ -13,6 +15,9 @@ from dead_reckoning.tables import (
     ODOMETRY_COLUMNS,
     LogError,
     OdometryLog,
+    digits,
+    lines,
+    odometry_columns,
     odometry_row,
     stop_after,
 )
@@ -99,3 +104,25 @@ def test_stop_after_begins_anew_where_stamps_go_back():
     assert not stopped
     chain.push(ODOMETRY, state(5 * 10**9))
     assert stopped
+
+
+def test_columns_hold_the_rows():
+    states = [state(5, stationary=True), state(6), state(-7)]
+    columns = odometry_columns(StateBlock.of(states))
+    assert lines(columns).splitlines() == [','.join(map(str, odometry_row(s))) for s in states]
+
+
+@pytest.mark.parametrize(
+    'values',
+    [
+        [],
+        [1.0],
+        [0.1, 0.1, 0.1],
+        [0.0, -0.0, 0.0],
+        [1 / 3, 1e-300, 5e-324, 1.7976931348623157e308, 1e22, 123456789.0],
+        [1.0, 1.0, 2.0, 2.0, 1.0],
+    ],
+)
+def test_digits_are_those_that_read_back_equal(values):
+    table = np.column_stack([values, values])  # whose columns are no contiguous arrays
+    assert digits(table[:, 0]) == [repr(value) for value in values]

@@ -21,8 +21,8 @@ from sensor_msgs.msg import Imu
 from dead_reckoning.core.errors import DeadReckoningError, RecordingError
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import IMU
-from dead_reckoning.nodes.wire import encode_imu
 from dead_reckoning.sources.bags import read_imu
+from dead_reckoning.wire import encode_imu
 
 DEADLINE = 30.0
 """How long [s] subscribers may take to come, or to acknowledge."""

@@ -9,9 +9,9 @@ from nav_msgs.msg import Odometry
 from rclpy.experimental import EventsExecutor
 from rclpy.qos import QoSProfile
 
+from dead_reckoning import wire
 from dead_reckoning.core.samples import LinearAcceleration, NavigationState
 from dead_reckoning.core.stages import ACCELERATION, ODOMETRY
-from dead_reckoning.nodes import wire
 
 TURN = 0.05
 """How long [s] one turn waits for something to come."""

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from dead_reckoning.tools.table import table
+
 
 @dataclass
 class Report:
@@ -22,17 +24,3 @@ class Report:
     def add_table(self, caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
         """Add a table with a line above it that says what it holds."""
         self.text.append(f'{caption}\n{table(head, rows)}')
-
-
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Lay a table out as text: the first column to the left, the others to the right."""
-    lines = [head, *rows] if any(head) else list(rows)
-    widths = [max(len(line[column]) for line in lines) for column in range(len(head))]
-    return '\n'.join(
-        '  '
-        + '  '.join(
-            cell.rjust(width) if column else cell.ljust(width)
-            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
-        ).rstrip()
-        for line in lines
-    )

@@ -138,6 +138,10 @@ class WireError(DeadReckoningError):
     """Bytes are not the message they were taken for."""
 
 
+class EncodingError(WireError):
+    """Bytes are a message in another encoding than little-endian CDR, or none."""
+
+
 class ReadingError(DeadReckoningError):
     """Bytes of a board hold no reading that can be used; a subclass says why."""
 

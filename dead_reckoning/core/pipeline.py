@@ -17,7 +17,11 @@ from dead_reckoning.core.mounting import Mountings, mountings_of
 from dead_reckoning.core.parameters import Parts, Settings, parameter
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
 from dead_reckoning.core.stages import (
+    ACCELERATION,
     IMU,
+    ODOMETRY,
+    PEDOMETER_OUTPUTS,
+    STATIONARY,
     gravity_input,
     gravity_inputs,
     gravity_stage,
@@ -78,12 +82,14 @@ class Pipeline:
         parts: Parts,
         more: Iterable[Stage] = (),
         mountings: Mountings | None = None,
+        *,
         blocks: bool = False,
     ) -> None:
         """``more`` are stages that stand at the end and take what they name.
 
-        ``mountings`` are those of the parameters, unless a node gives its own, from TF.  With
-        ``blocks`` the chain takes and gives blocks of samples (`block_stages`).  Raises
+        With ``blocks`` the chain takes and gives blocks of samples, for whole recordings
+        (`block_stages`).  ``mountings`` are those of the parameters, unless a node gives its own,
+        from TF.  Raises
         `SettingsError` where the parameters ask for TF, and none are given.
         """
         make = _stages(blocks)
@@ -96,6 +102,10 @@ class Pipeline:
         self.step_odometry: StepOdometry | None = None
         self.inputs: tuple[str, ...] = ()
         """Topics that have to come from outside."""
+        self.between: tuple[str, ...] = ()
+        """Topics of samples on their way to the estimators."""
+        self.outputs: tuple[str, ...] = ()
+        """Topics of the estimators."""
         stages: list[Stage] = []
         gravity, pedometer = parts[GravitySettings], parts[PedometerSettings]
         counts = 'pedometer' in estimators
@@ -105,13 +115,16 @@ class Pipeline:
             self.gravity = GravityRemoval(gravity, common, parts[FrameSettings])
             stages.append(make.gravity(self.gravity, mountings))
             inputs += gravity_inputs(gravity.attitude)
+            self.between = (ACCELERATION,) if taken == IMU else (ACCELERATION, IMU)
         if 'integrator' in estimators:
             self.integrator = Integrator(parts[IntegratorSettings], common)
             stages.append(make.integrator(self.integrator, mountings))
+            self.outputs += (ODOMETRY, STATIONARY)
         if counts:
             self.pedometer = Pedometer(pedometer, parts[pedometer.method_part])
             self.step_odometry = StepOdometry(pedometer, common)
             stages.append(make.pedometer(self.pedometer, self.step_odometry, mountings))
+            self.outputs += PEDOMETER_OUTPUTS
             made = {IMU} if self.gravity is not None and taken != IMU else set()
             inputs += [name for name in pedometer_inputs(pedometer) if name not in made]
         self.inputs = tuple(dict.fromkeys(inputs))

@@ -34,6 +34,9 @@ and what is new of them comes out."""
 LEVELLED = 'levelled'
 """No topic: what gravity removal made of a sample, acceleration and attitude together."""
 
+STEP = 'step'
+"""No topic: the `PedometerState` of each step."""
+
 PEDOMETER_OUTPUTS = (STEPS, DISTANCE, STEP_LENGTH, CADENCE, STEP_ODOMETRY)
 
 
@@ -165,6 +168,8 @@ class StepOutputs:
         outputs: list[Output] = []
         for state in states:
             outputs.extend(self._changes(state))
+            if state.duration > 0.0:  # else the walk ended
+                outputs.append((STEP, state))
             walked = self._odometry.update(state)
             if walked is not None:
                 outputs.append((STEP_ODOMETRY, walked))

@@ -25,9 +25,10 @@ from dead_reckoning.core.stages import ODOMETRY
 from dead_reckoning.nodes import parameters
 from dead_reckoning.nodes.diagnostics import Diagnostics, Finding
 from dead_reckoning.nodes.services import DeferredServices
-from dead_reckoning.nodes.topics import publisher_qos, subscription_qos, topics
+from dead_reckoning.nodes.topics import decoder, message_class, publisher_qos, subscription_qos
 from dead_reckoning.nodes.transforms import transform_sender
 from dead_reckoning.nodes.watch import Input, TopicWatch
+from dead_reckoning.topics import topics
 
 SERVICE_PERIOD = 0.05
 DIAGNOSTICS_PERIOD = 1.0
@@ -91,7 +92,7 @@ class ChainNode(Node):
         for name in outputs:
             topic = self._topics[name]
             publisher = self.create_publisher(
-                topic.message,
+                message_class(topic),
                 name,
                 publisher_qos(topic.latched),
                 event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
@@ -108,9 +109,9 @@ class ChainNode(Node):
             topic = self._topics[name]
             watched = self._topic_watch.add_input(name, topic.source, name not in optional)
             self.create_subscription(
-                topic.message,
+                message_class(topic),
                 name,
-                partial(self._receive, watched, topic.decode),
+                partial(self._receive, watched, decoder(topic)),
                 subscription_qos(),
                 event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
                 raw=True,

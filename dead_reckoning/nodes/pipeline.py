@@ -10,14 +10,7 @@ from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
-from dead_reckoning.core.stages import (
-    ACCELERATION,
-    COMPASS,
-    IMU,
-    ODOMETRY,
-    PEDOMETER_OUTPUTS,
-    STATIONARY,
-)
+from dead_reckoning.core.stages import COMPASS
 from dead_reckoning.nodes import gravity_removal, integrator, pedometer
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.driver import driver_of
@@ -40,23 +33,14 @@ class PipelineNode(ChainNode):
             self.configuration, self._ending(settings), mountings(self, self.frames)
         )
         inputs = [name for name in pipeline.inputs if from_topic or name == COMPASS]
-        outputs: list[str] = []
-        between: list[str] = []
-        if pipeline.gravity is not None:
-            between.append(ACCELERATION)
-            if IMU not in pipeline.inputs:
-                between.append(IMU)
-        if pipeline.integrator is not None:
-            outputs += [ODOMETRY, STATIONARY]
-        if pipeline.pedometer is not None:
-            outputs += PEDOMETER_OUTPUTS
+        between = list(pipeline.between)
         driver = None if from_topic else driver_of(self.configuration)
         if driver is not None:
             between += driver.outputs
         self.connect(
             pipeline.chain,
             inputs=inputs,
-            outputs=(*outputs, *between),
+            outputs=(*pipeline.outputs, *between),
             on_demand=between,
             optional=() if self._needs_compass(pipeline) else (COMPASS,),
         )

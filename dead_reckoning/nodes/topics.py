@@ -1,62 +1,62 @@
-"""The topics by name: message type, quality of service, bytes to samples and back."""
+"""What rclpy adds to the topics: classes of messages, other encodings, quality of service."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import Any
 
 from geometry_msgs.msg import AccelWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSDurabilityPolicy, QoSHistoryPolicy, QoSProfile, QoSReliabilityPolicy
+from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Bool, Float64, UInt32
 
-from dead_reckoning.core import stages
-from dead_reckoning.core.common import FrameSettings
-from dead_reckoning.nodes import wire
+from dead_reckoning.core.errors import EncodingError, WireError
+from dead_reckoning.topics import Topic
 
 DEPTH = 100
 """Queue of publishers and subscriptions: what a hiccup of a tenth of a second at 1 kHz needs."""
 
-
-@dataclass(frozen=True)
-class Topic:
-    """How one topic is spoken; ``decode`` is None where nothing of this package reads it."""
-
-    message: Any
-    encode: Callable[[Any], bytes]
-    decode: Callable[[bytes], Any] | None = None
-    latched: bool = False
-    source: str = ''
-    """Who publishes it, for those who miss it; empty where nobody does."""
+CLASSES = {
+    'geometry_msgs/msg/AccelWithCovarianceStamped': AccelWithCovarianceStamped,
+    'nav_msgs/msg/Odometry': Odometry,
+    'sensor_msgs/msg/Imu': Imu,
+    'std_msgs/msg/Bool': Bool,
+    'std_msgs/msg/Float64': Float64,
+    'std_msgs/msg/UInt32': UInt32,
+}
 
 
-def topics(frames: FrameSettings) -> dict[str, Topic]:
-    """Return all topics of samples and states, by relative name."""
-    encode_odometry = wire.odometry_encoder(frames.world, frames.body)
-    imu = Topic(Imu, wire.encode_imu, wire.decode_imu, source='the driver of the sensor')
-    odometry = Topic(Odometry, encode_odometry, wire.decode_odometry)
-    number = Topic(Float64, wire.encode_float64, wire.decode_float64, latched=True)
-    return {
-        stages.RAW: imu,
-        stages.IMU: replace(imu, source='gravity_removal, or a driver that knows its attitude'),
-        stages.COMPASS: replace(imu, source='compass_driver'),
-        stages.ACCELERATION: Topic(
-            AccelWithCovarianceStamped,
-            wire.encode_acceleration,
-            wire.decode_acceleration,
-            source='gravity_removal',
-        ),
-        stages.ODOMETRY: odometry,
-        stages.GROUND_TRUTH: replace(odometry, source='the simulated accelerometer_driver'),
-        stages.STATIONARY: Topic(Bool, wire.encode_bool, latched=True),
-        stages.STEPS: Topic(UInt32, wire.encode_uint32, wire.decode_uint32, latched=True),
-        stages.DISTANCE: number,
-        stages.STEP_LENGTH: number,
-        stages.CADENCE: number,
-        stages.STEP_ODOMETRY: odometry,
-    }
+def message_class(topic: Topic) -> Any:
+    """Return the class of a topic's messages."""
+    return CLASSES[topic.type]
+
+
+def decoder(topic: Topic) -> Callable[[bytes], Any]:
+    """Return what reads the bytes of a topic; raises `WireError`.
+
+    What is not little-endian CDR goes through rclpy's own serialization once.
+    """
+    decode, message_type = topic.decode, message_class(topic)
+    assert decode is not None, f'nothing reads a {topic.type}'
+
+    def read(data: bytes) -> Any:
+        try:
+            return decode(data)
+        except EncodingError:
+            return decode(_little_endian(data, message_type))
+
+    return read
+
+
+def _little_endian(data: bytes, message_type: Any) -> bytes:
+    try:
+        return bytes(serialize_message(deserialize_message(data, message_type)))
+    except RuntimeError as problem:
+        raise WireError(
+            f'{len(data)} bytes are no {message_type.__name__}: {problem}'
+        ) from problem
 
 
 def publisher_qos(latched: bool) -> QoSProfile:

@@ -1,29 +1,27 @@
-"""Read recorded Imu and Odometry messages: ROS 1 ``.bag`` files and rosbag2 (sqlite3, mcap).
+"""Read Imu, Odometry and poses, ROS 1 ``.bag`` or rosbag2 (sqlite3, mcap); write mcap.
 
 The only module that knows rosbags.  Samples keep the stamps of their headers and come in the order
-of the recording, one at a time, so a recording may be larger than memory.  What a message does not
-measure is None (REP-145).
+of the recording, one or a block at a time, so a recording may be larger than memory.  What a
+message does not measure is None (REP-145).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
-from dead_reckoning.core.errors import DeadReckoningError, DependencyError, RecordingError
-from dead_reckoning.core.rotation import matrix_from_quaternion, rotate, rotate_covariance
-from dead_reckoning.core.samples import (
-    NANOSECONDS,
-    UNKNOWN,
-    UNMEASURED_VARIANCE,
-    ImuSample,
-    Matrix,
-    NavigationState,
-    Quaternion,
-    Vector,
+from dead_reckoning import wire
+from dead_reckoning.block_wire import decode_imus
+from dead_reckoning.core.blocks import ImuBlock, Stamped
+from dead_reckoning.core.errors import (
+    DeadReckoningError,
+    DependencyError,
+    RecordingError,
+    WireError,
 )
+from dead_reckoning.core.samples import ImuSample, NavigationState
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -34,8 +32,13 @@ if TYPE_CHECKING:
 
 IMU = 'sensor_msgs/msg/Imu'
 ODOMETRY = 'nav_msgs/msg/Odometry'
+POSE = 'geometry_msgs/msg/PoseStamped'
 
-_SUFFIXES = ('.bag', '.mcap', '.db3')
+BLOCK = 4096
+"""Most messages of a block: enough that a block costs nothing, and few for the cache."""
+
+
+SUFFIXES = ('.bag', '.mcap', '.db3')
 _ALLOWED = 'name a .bag of ROS 1, a rosbag2 folder, or the .mcap or .db3 file in one'
 
 Sample = TypeVar('Sample')
@@ -44,7 +47,13 @@ Sample = TypeVar('Sample')
 def topics(path: Path) -> dict[str, str]:
     """Return the topics of a recording and their message types; raises `RecordingError`."""
     with _explained(path), _reader(path) as reader:
-        return _types(reader.connections)
+        return {c.topic: c.msgtype for c in reader.connections}
+
+
+def count(path: Path, topics: Collection[str]) -> int:
+    """Return how many messages some topics have; raises `RecordingError`."""
+    with _explained(path), _reader(path) as reader:
+        return sum(c.msgcount for c in reader.connections if c.topic in topics)
 
 
 def read_imu(path: Path, topic: str | None = None) -> Iterator[ImuSample]:
@@ -53,7 +62,7 @@ def read_imu(path: Path, topic: str | None = None) -> Iterator[ImuSample]:
     Raises `RecordingError` at once where the file or the topic is at fault, and on the way where a
     message is.
     """
-    return _read(path, topic, IMU, _imu_sample)
+    return _read(path, topic, IMU, wire.decode_imu)
 
 
 def read_odometry(path: Path, topic: str | None = None) -> Iterator[NavigationState]:
@@ -61,29 +70,78 @@ def read_odometry(path: Path, topic: str | None = None) -> Iterator[NavigationSt
 
     The twist is turned into the world.  Raises `RecordingError` as `read_imu` does.
     """
-    return _read(path, topic, ODOMETRY, _state)
+    return _read(path, topic, ODOMETRY, wire.decode_odometry)
+
+
+def read_poses(path: Path, topic: str | None = None) -> Iterator[NavigationState]:
+    """Read the geometry_msgs/PoseStamped messages of a topic, or of the only such topic there is.
+
+    Of the states only stamp, position and attitude are known.  Raises `RecordingError` as
+    `read_imu` does.
+    """
+    return _read(path, topic, POSE, wire.decode_pose)
+
+
+def read_blocks(path: Path, topics: Collection[str]) -> Iterator[tuple[str, ImuBlock | Stamped]]:
+    """Read the sensor_msgs/Imu messages of some topics in blocks, each with its topic.
+
+    A block ends where another topic or another frame_id follows.  A message that can't be read is
+    a `WireError`, stamped with when it was recorded.  Raises `RecordingError` as `read_imu` does.
+    """
+    reader, connections, convert = _open(path, topics, IMU)
+
+    def decoded(
+        topic: str, times: Sequence[int], messages: Sequence[bytes]
+    ) -> Iterator[tuple[str, ImuBlock | Stamped]]:
+        for index, made in decode_imus(list(map(convert, messages))):
+            if isinstance(made, WireError):
+                yield topic, Stamped(times[index], made)
+            else:
+                yield topic, made
+
+    def blocks() -> Iterator[tuple[str, ImuBlock | Stamped]]:
+        topic = ''
+        times: list[int] = []  # two lists: a tuple for each message would keep the
+        messages: list[bytes] = []  # garbage collector busy
+        with _explained(path), closing(reader):
+            for connection, time_ns, data in reader.messages(connections):
+                if connection.topic != topic or len(messages) == BLOCK:
+                    yield from decoded(topic, times, messages)
+                    topic, times, messages = connection.topic, [], []
+                times.append(time_ns)
+                messages.append(data)
+            yield from decoded(topic, times, messages)
+
+    return blocks()
 
 
 def _read(
-    path: Path, topic: str | None, message_type: str, convert: Callable[[Any], Sample]
+    path: Path, topic: str | None, message_type: str, decode: Callable[[bytes], Sample]
 ) -> Iterator[Sample]:
+    topic = _choose(path, topics(path), topic, message_type)
+    reader, connections, convert = _open(path, [topic], message_type)
+
+    def samples() -> Iterator[Sample]:
+        with _explained(path), closing(reader):
+            for _, _, data in reader.messages(connections):
+                yield decode(convert(data))
+
+    return samples()
+
+
+def _open(
+    path: Path, chosen: Collection[str], message_type: str
+) -> tuple[Reader, list[Connection], Callable[[bytes], bytes]]:
+    """Open a recording; return it, some topics of it, and what makes little-endian CDR of them."""
     with _explained(path):
         reader = _reader(path)
         reader.open()
         try:
-            topic = _choose(path, _types(reader.connections), topic, message_type)
-            deserialize = _deserializer(path, reader, topic, message_type)
+            connections = [c for c in reader.connections if c.topic in chosen]
+            return reader, connections, _converter(path, connections, message_type)
         except BaseException:
             reader.close()
             raise
-
-    def samples(reader: Reader) -> Iterator[Sample]:
-        with _explained(path), closing(reader):
-            chosen = [c for c in reader.connections if c.topic == topic]
-            for _, _, data in reader.messages(chosen):
-                yield convert(deserialize(data))
-
-    return samples(reader)
 
 
 @contextmanager
@@ -91,6 +149,8 @@ def _explained(path: Path) -> Iterator[None]:
     """Turn what goes wrong with a file into a `RecordingError` that names it."""
     try:
         yield
+    except WireError as error:
+        raise RecordingError(f'{path}: {error}') from error
     except DeadReckoningError:
         raise
     except Exception as error:  # rosbags lets through whatever its parsers trip over
@@ -119,12 +179,10 @@ def _reader(path: Path) -> Reader:
         from rosbags.rosbag1 import Reader as Reader1
         from rosbags.rosbag2 import Reader as Reader2
     except ImportError as error:
-        raise DependencyError(
-            f'{path}: rosbags, which reads recordings, is not installed: pip install rosbags'
-        ) from error
+        raise _not_installed(path) from error
     if not path.exists():
         raise RecordingError(f'{path}: no such file or folder; {_ALLOWED}')
-    if path.is_file() and path.suffix not in _SUFFIXES:
+    if path.is_file() and path.suffix not in SUFFIXES:
         raise RecordingError(f'{path}: no recording; {_ALLOWED}')
     if path.is_dir() and not (path / 'metadata.yaml').exists():
         raise RecordingError(
@@ -134,8 +192,10 @@ def _reader(path: Path) -> Reader:
     return Reader1(path) if _is_ros1(path) else Reader2(path)
 
 
-def _types(connections: Iterable[Connection]) -> dict[str, str]:
-    return {c.topic: c.msgtype for c in connections}
+def _not_installed(path: Path) -> DependencyError:
+    return DependencyError(
+        f'{path}: rosbags, which knows recordings, is not installed: pip install rosbags'
+    )
 
 
 def _choose(path: Path, types: dict[str, str], topic: str | None, wanted: str) -> str:
@@ -159,82 +219,97 @@ def _choose(path: Path, types: dict[str, str], topic: str | None, wanted: str) -
     return topic
 
 
-def _deserializer(
-    path: Path, reader: Reader, topic: str, message_type: str
-) -> Callable[[bytes], Any]:
-    """Return what turns the bytes of a topic into messages of a standard type.
+def _converter(
+    path: Path, connections: Sequence[Connection], message_type: str
+) -> Callable[[bytes], bytes]:
+    """Return what turns recorded bytes of a standard type into little-endian CDR.
 
-    The definitions of the two types never changed, so those in the recording need not be parsed;
+    The definitions of these types never changed, so those in the recording need not be parsed;
     a checksum that differs shows a type that only has the name.
     """
     from rosbags.typesys import Stores, get_typestore
 
-    if _is_ros1(path):
-        store = get_typestore(Stores.ROS1_NOETIC)
-        checksum, deserialize = store.generate_msgdef(message_type)[1], store.deserialize_ros1
+    store, ros1 = get_typestore(Stores.ROS2_JAZZY), _is_ros1(path)
+    if ros1:
+        checksum = get_typestore(Stores.ROS1_NOETIC).generate_msgdef(message_type)[1]
     else:
-        store = get_typestore(Stores.ROS2_JAZZY)
-        checksum, deserialize = store.hash_rihs01(message_type), store.deserialize_cdr
-    for connection in reader.connections:
-        if connection.topic == topic and connection.digest not in (checksum, '', '*'):
+        checksum = store.hash_rihs01(message_type)
+    for connection in connections:
+        if connection.digest not in (checksum, '', '*'):
             raise RecordingError(
-                f'{path}: {topic} holds a {message_type} other than the standard one '
+                f'{path}: {connection.topic} holds a {message_type} other than the standard one '
                 f'(checksum {connection.digest}, not {checksum})'
             )
-    return lambda data: deserialize(data, message_type)
+
+    def convert(data: bytes) -> bytes:
+        if data[:2] == wire.LITTLE_ENDIAN[:2] and not ros1:
+            return data
+        try:
+            if ros1:
+                return bytes(store.ros1_to_cdr(data, message_type))
+            message = store.deserialize_cdr(data, message_type)
+            return bytes(store.serialize_cdr(message, message_type))
+        except Exception:  # rosbags lets through whatever its parsers trip over
+            return data  # which no decoder takes for a message
+
+    return convert
 
 
-def _imu_sample(message: Any) -> ImuSample:
-    orientation = _quaternion(message.orientation)
-    orientation_covariance = _matrix(message.orientation_covariance)
-    # Four zeros are no rotation: what a driver leaves that never fills the field.
-    oriented = orientation_covariance[0] >= 0.0 and orientation != (0.0, 0.0, 0.0, 0.0)
-    rate_covariance = _matrix(message.angular_velocity_covariance)
-    turning = rate_covariance[0] >= 0.0
-    return ImuSample(
-        _stamp_ns(message.header),
-        message.header.frame_id,
-        _vector(message.linear_acceleration),
-        _matrix(message.linear_acceleration_covariance),
-        _vector(message.angular_velocity) if turning else None,
-        rate_covariance if turning else UNKNOWN,
-        orientation if oriented else None,
-        orientation_covariance if oriented else UNKNOWN,
-    )
+class BagWriter:
+    """Write serialized messages as a rosbag2 recording in mcap: a folder, which must not exist."""
 
+    def __init__(self, path: Path, topics: Mapping[str, tuple[str, bool]]) -> None:
+        """``topics``: message type, and whether it is latched, by full name.
 
-def _state(message: Any) -> NavigationState:
-    pose, twist = message.pose.pose, message.twist.twist
-    attitude = _quaternion(pose.orientation)
-    rot_wb = matrix_from_quaternion(attitude)
-    pose_covariance = message.pose.covariance.reshape(6, 6)
-    twist_covariance = message.twist.covariance.reshape(6, 6)
-    turning = twist_covariance[3, 3] < UNMEASURED_VARIANCE
-    return NavigationState(
-        _stamp_ns(message.header),
-        _vector(pose.position),
-        rotate(rot_wb, _vector(twist.linear)),
-        attitude,
-        _matrix(pose_covariance[:3, :3]),
-        rotate_covariance(rot_wb, _matrix(twist_covariance[:3, :3])),
-        _matrix(pose_covariance[3:, 3:]),
-        _vector(twist.angular) if turning else None,
-        _matrix(twist_covariance[3:, 3:]) if turning else UNKNOWN,
-    )
+        Raises `DependencyError` where rosbags is not installed.
+        """
+        try:
+            from rosbags.interfaces import (
+                Qos,
+                QosDurability,
+                QosHistory,
+                QosLiveliness,
+                QosReliability,
+                QosTime,
+            )
+            from rosbags.rosbag2 import StoragePlugin, Writer
+            from rosbags.typesys import Stores, get_typestore
+        except ImportError as error:
+            raise _not_installed(path) from error
+        store = get_typestore(Stores.ROS2_JAZZY)
+        self._writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
+        self._writer.open()
+        never = QosTime(*divmod(2**63 - 1, 10**9))
 
+        def qos(latched: bool) -> Qos:
+            return Qos(
+                QosHistory.KEEP_LAST,
+                1 if latched else 100,
+                QosReliability.RELIABLE,
+                QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
+                never,
+                never,
+                QosLiveliness.AUTOMATIC,
+                never,
+                False,
+            )
 
-def _stamp_ns(header: Any) -> int:
-    return int(header.stamp.sec) * NANOSECONDS + int(header.stamp.nanosec)
+        self._connections = {
+            topic: self._writer.add_connection(
+                topic, message_type, typestore=store, offered_qos_profiles=[qos(latched)]
+            )
+            for topic, (message_type, latched) in topics.items()
+        }
 
+    def write(self, topic: str, stamp_ns: int, message: bytes) -> None:
+        """Write a message that was recorded at a stamp [ns]; before 1970 counts as then."""
+        self._writer.write(self._connections[topic], max(0, stamp_ns), message)
 
-def _vector(message: Any) -> Vector:
-    return (message.x, message.y, message.z)
+    def close(self) -> None:
+        """Complete the recording."""
+        self._writer.close()
 
-
-def _quaternion(message: Any) -> Quaternion:
-    return (message.x, message.y, message.z, message.w)
-
-
-def _matrix(array: Any) -> Matrix:
-    numbers: Matrix = tuple(array.ravel().tolist())
-    return numbers
+    def abort(self) -> None:
+        """Close the file as it is: no recording."""
+        if self._writer.storage is not None:
+            self._writer.storage.abort()

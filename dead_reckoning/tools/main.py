@@ -12,6 +12,14 @@ COMMANDS = {
         'dead_reckoning.tools.demo.command',
         'simulate a motion, run the nodes, compare with the truth',
     ),
+    'evaluate': (
+        'dead_reckoning.tools.evaluate.command',
+        'compare what replay wrote with the truth: poses, steps or a distance',
+    ),
+    'replay': (
+        'dead_reckoning.tools.replay.command',
+        'run the chain of a parameter file over recordings, faster than real time',
+    ),
     'reference': (
         'dead_reckoning.tools.reference.command',
         "run a document's own program, exact to the bit, on counts from a CSV file",

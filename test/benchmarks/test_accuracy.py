@@ -15,12 +15,13 @@ from rosbags.typesys import Stores, get_typestore
 from benchmarks.accuracy import broad, jackal
 from benchmarks.accuracy.accounting import GRAVITY, INTEGRATOR, Live, account
 from benchmarks.accuracy.drift import FREE, Truth, drifts, every
-from benchmarks.accuracy.report import Report, table
+from benchmarks.accuracy.report import Report
 from benchmarks.accuracy.signals import derivative, low_pass, second_derivative
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import RecordingError
 from dead_reckoning.core.integrator import Integrator, IntegratorSettings
 from dead_reckoning.core.samples import IDENTITY_QUATERNION, ImuSample, LinearAcceleration
+from dead_reckoning.tools.table import table
 
 ROOT = Path(__file__).parents[2]
 GRAVITY_W = np.array([0.0, 0.0, 9.81])

@@ -236,4 +236,5 @@ def test_pedometer_in_a_pipeline_gives_the_same_numbers_as_alone():
     chain = pipeline('integrator', 'pedometer').chain
     wanted = (STEPS, DISTANCE, STEP_LENGTH, CADENCE)
     together = [output for imu in walk() for output in chain.push(RAW, imu) if output[0] in wanted]
-    assert together == Walker().walk(walk()).outputs
+    alone = [output for output in Walker().walk(walk()).outputs if output[0] in wanted]
+    assert together == alone

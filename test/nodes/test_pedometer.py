@@ -14,10 +14,10 @@ from sensor_msgs.msg import Imu
 from std_msgs.msg import Float64, UInt32
 from std_srvs.srv import SetBool
 
+from dead_reckoning import wire
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.stages import PEDOMETER_OUTPUTS
-from dead_reckoning.nodes import wire
 
 RATE = 100
 YAW = 0.7

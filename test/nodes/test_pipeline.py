@@ -1,23 +1,22 @@
 """The whole chain in one process: the same numbers as the chain itself, bit for bit."""
 
-import numpy as np
 import pytest
-from messages import GRAVITY, NANOSECONDS, START_NS, Feed, imu_message
+from messages import GRAVITY, NANOSECONDS, START_NS, Feed, imu_message, realistic_samples
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 from ros_harness import DEEP, RELIABLE, lossless
 from sensor_msgs.msg import Imu
 
+from dead_reckoning import wire
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.core.pipeline import Pipeline
-from dead_reckoning.core.rotation import matrix_from_quaternion, normalized
 from dead_reckoning.core.stages import gravity_input
-from dead_reckoning.nodes import topics, wire
+from dead_reckoning.nodes.topics import message_class
+from dead_reckoning.topics import topics
 
 RATE = 200.0
-STEP_NS = round(NANOSECONDS / RATE)
 TAKEN = {'rest': 'imu/data_raw', 'message': 'imu/data'}
 GIVEN = {
     'rest': ['odom', 'imu/data', 'imu/linear_acceleration'],
@@ -26,50 +25,6 @@ GIVEN = {
 ALL_OF_IT = QoSProfile(depth=DEEP, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
 WARM_UP_NS = START_NS + 1_000 * NANOSECONDS
 """Stamps before the real ones; the step back makes everything start anew."""
-
-
-def realistic_samples(seed=3):
-    """A rest, a walk of the attitude under random pushes, and what can go wrong between."""
-    random = np.random.default_rng(seed)
-    attitude = np.array([0.02, -0.03, 0.1, 1.0])
-    push = np.zeros(3)
-    stamp_ns = START_NS
-    for number in range(500):
-        stamp_ns += STEP_NS + int(random.integers(-100_000, 100_000))
-        moving = 130 <= number < 420
-        if moving:
-            attitude = attitude + 0.01 * random.standard_normal(4)
-            push = 0.9 * push + random.standard_normal(3)
-        else:
-            push = np.zeros(3)
-        # As many drivers hold it: not of unit length to the last bit.
-        orientation = np.float32(normalized(tuple(attitude.tolist())))
-        rot_ws = np.reshape(matrix_from_quaternion(tuple(orientation.tolist())), (3, 3))
-        force = rot_ws.T @ (push + np.array([0.0, 0.0, GRAVITY]))
-        force += 0.02 * random.standard_normal(3)
-        message = imu_message(stamp_ns, force, orientation, 'sensor')
-        match number:
-            case 200:
-                message.linear_acceleration.y = float('nan')
-            case 210:
-                message.linear_acceleration_covariance[4] = float('inf')
-            case 220:
-                message.orientation.w = float('nan')
-            case 230:
-                message.orientation_covariance[0] = -1.0
-            case 240:
-                message.linear_acceleration_covariance[:] = [0.0] * 9
-                message.orientation_covariance[:] = [0.0] * 9
-            case 250:
-                message.angular_velocity_covariance[0] = 1e-4
-                message.angular_velocity.z = 0.25
-            case 260:
-                message.header.stamp.sec -= 1  # late
-            case 270:
-                stamp_ns += 2 * NANOSECONDS  # and so a gap
-            case 280:
-                yield message  # twice
-        yield message
 
 
 @pytest.mark.parametrize(('attitude', 'executor'), [('rest', 'events'), ('message', 'single')])
@@ -88,11 +43,10 @@ def test_pipeline_over_dds_equals_the_chain_called_directly(ros, attitude, execu
     configuration = Configuration(settings)
     direct = Pipeline(configuration).chain
     assert gravity_input(attitude) == taken
-    spoken = topics.topics(configuration[FrameSettings])
-    recordings = {
-        topic: ros.record(topic, spoken[topic].message, raw=True).connected() for topic in given
-    }
-    stationary = ros.record('stationary', spoken['stationary'].message, ALL_OF_IT, raw=True)
+    spoken = topics(configuration[FrameSettings])
+    kinds = {name: message_class(topic) for name, topic in spoken.items()}
+    recordings = {name: ros.record(name, kinds[name], raw=True).connected() for name in given}
+    stationary = ros.record('stationary', kinds['stationary'], ALL_OF_IT, raw=True)
     publisher = ros.publisher(taken, Imu)
     expected = {topic: [] for topic in [*given, 'stationary']}
 

@@ -12,10 +12,20 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Bool, Float64, UInt32
 
+from dead_reckoning import wire
+from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.core.errors import WireError
 from dead_reckoning.core.rotation import matrix_from_quaternion, rotate_back
 from dead_reckoning.core.samples import ImuSample, LinearAcceleration, NavigationState
-from dead_reckoning.nodes import wire
+from dead_reckoning.core.stages import ACCELERATION, IMU, ODOMETRY
+from dead_reckoning.nodes.topics import decoder
+from dead_reckoning.topics import topics
+
+SPOKEN = topics(FrameSettings())
+decode_imu, decode_acceleration, decode_odometry = (
+    decoder(SPOKEN[name]) for name in (IMU, ACCELERATION, ODOMETRY)
+)
+"""What nodes read with: `wire`, and rclpy for what is no little-endian CDR."""
 
 LENGTHS = range(81)
 NANOSECONDS = 1_000_000_000
@@ -164,7 +174,7 @@ def same(first, second):
 def test_imu_is_written_as_rclpy_does_and_read_back(imu):
     data = wire.encode_imu(imu)
     assert data == serialized(imu_message(imu))
-    read = wire.decode_imu(data)
+    read = decode_imu(data)
     assert same(read.stamp_ns, imu.stamp_ns)
     assert same(read.frame_id, imu.frame_id)
     assert same(read.specific_force, imu.specific_force)
@@ -181,14 +191,14 @@ def test_imu_is_written_as_rclpy_does_and_read_back(imu):
 def test_acceleration_is_written_as_rclpy_does_and_read_back(sample):
     data = wire.encode_acceleration(sample)
     assert data == serialized(acceleration_message(sample))
-    assert same(wire.decode_acceleration(data), sample)
+    assert same(decode_acceleration(data), sample)
 
 
 @given(states, texts, texts)
 def test_odometry_is_written_as_rclpy_does_and_read_back(state, frame_id, child_frame_id):
     data = wire.odometry_encoder(frame_id, child_frame_id)(state)
     assert data == serialized(odometry_message(state, frame_id, child_frame_id))
-    read = wire.decode_odometry(data)
+    read = decode_odometry(data)
     assert same(read.stamp_ns, state.stamp_ns)
     assert same(read.position, state.position)
     assert same(read.attitude, state.attitude)
@@ -228,17 +238,17 @@ def test_a_frame_id_of_any_length_fits(letter):
         frame_id = letter * length
         imu = ImuSample(1, frame_id, (0.5, 1.5, 2.5))
         assert wire.encode_imu(imu) == serialized(imu_message(imu)), length
-        assert wire.decode_imu(wire.encode_imu(imu)).frame_id == frame_id
+        assert decode_imu(wire.encode_imu(imu)).frame_id == frame_id
         sample = LinearAcceleration(1, frame_id, (0.5, 1.5, 2.5))
         data = wire.encode_acceleration(sample)
         assert data == serialized(acceleration_message(sample)), length
-        assert wire.decode_acceleration(data).frame_id == frame_id
+        assert decode_acceleration(data).frame_id == frame_id
         state = NavigationState(1, (0.5, 1.5, 2.5), (3.5, 4.5, 5.5))
         for other in range(8):  # the second id moves by every remainder that alignment knows
             for ids in ((frame_id, 'c' * other), ('c' * other, frame_id)):
                 data = wire.odometry_encoder(*ids)(state)
                 assert data == serialized(odometry_message(state, *ids)), ids
-                assert wire.decode_odometry(data).velocity == state.velocity
+                assert decode_odometry(data).velocity == state.velocity
 
 
 def typed_imus():
@@ -277,7 +287,7 @@ def check_imu(read, message):
 
 @given(typed_imus())
 def test_imu_is_read_as_rclpy_does(message):
-    check_imu(wire.decode_imu(serialize_message(message)), message)
+    check_imu(decode_imu(serialize_message(message)), message)
 
 
 def big_endian(stamp_ns, texts, doubles):
@@ -294,14 +304,14 @@ def big_endian(stamp_ns, texts, doubles):
 @given(stamps, texts, tuples(37))
 def test_big_endian_imu_is_read(stamp_ns, frame_id, doubles):
     data = big_endian(stamp_ns, [frame_id], doubles)
-    check_imu(wire.decode_imu(data), deserialize_message(data, Imu))
-    assert wire.decode_imu(data).stamp_ns == stamp_ns
-    assert same(wire.decode_imu(data).specific_force, doubles[25:28])
+    check_imu(decode_imu(data), deserialize_message(data, Imu))
+    assert decode_imu(data).stamp_ns == stamp_ns
+    assert same(decode_imu(data).specific_force, doubles[25:28])
 
 
 @given(stamps, texts, tuples(42))
 def test_big_endian_acceleration_is_read(stamp_ns, frame_id, doubles):
-    read = wire.decode_acceleration(big_endian(stamp_ns, [frame_id], doubles))
+    read = decode_acceleration(big_endian(stamp_ns, [frame_id], doubles))
     assert (read.stamp_ns, read.frame_id) == (stamp_ns, frame_id)
     assert same(read.acceleration, doubles[0:3])
     assert same(read.covariance, doubles[6:9] + doubles[12:15] + doubles[18:21])
@@ -310,7 +320,7 @@ def test_big_endian_acceleration_is_read(stamp_ns, frame_id, doubles):
 @given(stamps, texts, texts, tuples(85, st.floats(-1e3, 1e3)))
 def test_big_endian_odometry_is_read(stamp_ns, frame_id, child_frame_id, doubles):
     identity = (*doubles[:3], 0.0, 0.0, 0.0, 1.0, *doubles[7:])
-    read = wire.decode_odometry(big_endian(stamp_ns, [frame_id, child_frame_id], identity))
+    read = decode_odometry(big_endian(stamp_ns, [frame_id, child_frame_id], identity))
     assert read.stamp_ns == stamp_ns
     assert same(read.position, doubles[0:3])
     assert read.velocity == doubles[43:46]
@@ -318,14 +328,14 @@ def test_big_endian_odometry_is_read(stamp_ns, frame_id, child_frame_id, doubles
 
 
 DECODERS = [
-    (wire.decode_imu, Imu, wire.encode_imu(ImuSample(5, 'imu_link', (1.0, 2.0, 3.0)))),
+    (decode_imu, Imu, wire.encode_imu(ImuSample(5, 'imu_link', (1.0, 2.0, 3.0)))),
     (
-        wire.decode_acceleration,
+        decode_acceleration,
         AccelWithCovarianceStamped,
         wire.encode_acceleration(LinearAcceleration(5, 'odom', (1.0, 2.0, 3.0))),
     ),
     (
-        wire.decode_odometry,
+        decode_odometry,
         Odometry,
         wire.odometry_encoder('odom', 'base_link')(NavigationState(5, (1.0,) * 3, (2.0,) * 3)),
     ),

@@ -8,14 +8,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rosbags.interfaces import QosDurability
 from rosbags.rosbag1 import Writer as Writer1
+from rosbags.rosbag2 import Reader as Reader2
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from dead_reckoning.core.errors import DependencyError, RecordingError
-from dead_reckoning.core.samples import UNKNOWN
-from dead_reckoning.sources.bags import read_imu, read_odometry, topics
+from dead_reckoning import wire
+from dead_reckoning.core.blocks import ImuBlock, Stamped
+from dead_reckoning.core.errors import DependencyError, RecordingError, WireError
+from dead_reckoning.core.samples import UNKNOWN, ImuSample
+from dead_reckoning.sources import bags
+from dead_reckoning.sources.bags import BagWriter, read_blocks, read_imu, read_odometry, topics
 
 IMU = 'sensor_msgs/msg/Imu'
 ODOMETRY = 'nav_msgs/msg/Odometry'
@@ -193,21 +198,71 @@ def test_a_rate_of_huge_variance_is_not_measured(tmp_path, kind):
     assert state.angular_velocity_covariance == UNKNOWN
 
 
-@pytest.mark.parametrize('kind', ['sqlite3', 'mcap'])
-def test_bags_and_topics_are_read_alike(tmp_path, kind):
-    wire = pytest.importorskip('dead_reckoning.nodes.wire')
-    store = get_typestore(Stores.ROS2_JAZZY)
+def test_blocks_hold_what_is_read_one_by_one(tmp_path, kind, monkeypatch):
+    monkeypatch.setattr(bags, 'BLOCK', 8)
     generator = np.random.default_rng(2)
-    messages = Messages(store)
-    covariances = generator.normal(size=(20, 3, 9))
-    sent = [
-        messages.imu(k, *generator.normal(size=(2, 3)), generator.normal(size=4), covariances[k])
-        for k in range(20)
-    ]
-    path = write(tmp_path, kind, {'/imu': (IMU, lambda _: sent)})
-    for message, sample in zip(sent, read_imu(path), strict=True):
-        decoded = wire.decode_imu(bytes(store.serialize_cdr(message, IMU)))
-        assert astuple(sample) == astuple(decoded)
+
+    def imus(messages):
+        return [messages.imu(k, *generator.normal(size=(2, 3))) for k in range(1, 21)]
+
+    path = write(tmp_path, kind, {'/a': (IMU, imus), '/b': (IMU, imus)})
+    found = list(read_blocks(path, ['/a']))
+    assert {topic for topic, _ in found} == {'/a'}
+    assert [len(block) for _, block in found] == [8, 8, 4]
+    samples = [block.sample(k) for _, block in found for k in range(len(block))]
+    for sample, expected in zip(samples, read_imu(path, '/a'), strict=True):
+        assert astuple(sample) == astuple(expected)
+
+
+def test_topics_come_in_the_order_of_the_recording(tmp_path, kind):
+    path = write(tmp_path, kind, {'/a': (IMU, stamps(1, 3, 5)), '/b': (IMU, stamps(2, 4, 6))})
+    found = [(topic, block.stamp_ns.tolist()) for topic, block in read_blocks(path, ['/b', '/a'])]
+    order = [(topic, stamp) for topic, stamps in found for stamp in stamps]
+    assert sorted(order, key=lambda one: (one[1] + 1) // 2) == order
+    assert [one for one in order if one[0] == '/a'] == [('/a', 1), ('/a', 3), ('/a', 5)]
+
+
+def test_how_many_messages_there_are(tmp_path, kind):
+    path = write(tmp_path, kind, {'/a': (IMU, stamps(1, 3, 5)), '/b': (IMU, stamps(2))})
+    assert bags.count(path, ['/a']) == 3
+    assert bags.count(path, ['/a', '/b']) == 4
+
+
+def test_big_endian_messages_are_read_and_others_are_errors(tmp_path):
+    store = get_typestore(Stores.ROS2_JAZZY)
+    message = Messages(store).imu(7)
+    whole = bytes(store.serialize_cdr(message, IMU))
+    turned = bytes(store.serialize_cdr(message, IMU, little_endian=False))
+    assert turned[:2] != whole[:2]
+    path = tmp_path / 'mixed'
+    with Writer2(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection('/imu', IMU, typestore=store)
+        for time_ns, data in enumerate((whole, turned, whole[:50], b'', b'garbage', whole), 1):
+            writer.write(connection, time_ns, data)
+    found = [made for _, made in read_blocks(path, ['/imu'])]
+    assert [len(made) for made in found if isinstance(made, ImuBlock)] == [2, 1]
+    errors = [made for made in found if isinstance(made, Stamped)]
+    assert [error.stamp_ns for error in errors] == [3, 4, 5]
+    assert all(isinstance(error.value, WireError) for error in errors)
+    with pytest.raises(RecordingError, match='mixed'):
+        list(read_imu(path))
+
+
+def test_what_was_written_is_a_recording(tmp_path):
+    path = tmp_path / 'written'
+    writer = BagWriter(path, {'/imu': (IMU, False), '/rest': ('std_msgs/msg/Bool', True)})
+    for stamp_ns in (5, -3, 8):
+        sample = ImuSample(stamp_ns, 'imu', (1.0, 2.0, 3.0))
+        writer.write('/imu', stamp_ns, wire.encode_imu(sample))
+    writer.write('/rest', 6, wire.encode_bool(True))
+    writer.close()
+    assert topics(path) == {'/imu': IMU, '/rest': 'std_msgs/msg/Bool'}
+    assert {sample.stamp_ns for sample in read_imu(path)} == {5, -3, 8}
+    with Reader2(path) as reader:
+        assert sorted(time_ns for _, time_ns, _ in reader.messages()) == [0, 5, 6, 8]
+        profiles = {c.topic: c.ext.offered_qos_profiles[0] for c in reader.connections}
+    assert profiles['/imu'].durability == QosDurability.VOLATILE
+    assert profiles['/rest'].durability == QosDurability.TRANSIENT_LOCAL
 
 
 def test_topics_and_their_types(tmp_path, kind):

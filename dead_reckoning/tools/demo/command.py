@@ -15,8 +15,8 @@ from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import GROUND_TRUTH, ODOMETRY
 from dead_reckoning.tools.demo.cases import CASES, Case
 from dead_reckoning.tools.demo.recording import Recording, parse
-from dead_reckoning.tools.demo.views import Row
 from dead_reckoning.tools.processes import Interruption, Nodes, environment, interruptible
+from dead_reckoning.tools.table import table
 
 START_DEADLINE = 30.0
 """How long [s] the nodes may take to find each other."""
@@ -53,7 +53,8 @@ def main(arguments: argparse.Namespace) -> int:
     for case in _chosen(arguments.case):
         recording = run(case)
         rows = case.view.rows(recording)
-        print(f'\n{case.title}\n{table(rows)}\n', flush=True)
+        said = table(('', 'truth', 'estimate', 'error'), [row.cells for row in rows])
+        print(f'\n{case.title}\n{said}\n', flush=True)
         pictures = case.view.draw(case.name, recording, arguments.output)
         results.append(Result(case, recording, rows, pictures))
     page = arguments.output / 'index.html'
@@ -185,12 +186,3 @@ class Progress:
             print(f'\r  {bar} {percent:3}%', end='\n' if percent == 100 else '', flush=True)
         elif percent == 100:
             print('  recorded', flush=True)
-
-
-def table(rows: list[Row]) -> str:
-    """Return the table of a run as text."""
-    lines = [f'  {"":24}{"truth":>10}{"estimate":>10}{"error":>10}']
-    for row in rows:
-        name, truth, estimate, error = row.cells
-        lines.append(f'  {name:24}{truth:>10}{estimate:>10}{error:>10}')
-    return '\n'.join(lines)

@@ -15,8 +15,8 @@ from matplotlib.axes import Axes
 
 from dead_reckoning.core.stages import ACCELERATION, ODOMETRY
 from dead_reckoning.tools.demo.recording import Array, Recording, Series, Track
+from dead_reckoning.tools.drawing import RED, tidy
 
-RED = '#c0392b'
 TRUTH = {'color': '#9a9a9a', 'linewidth': 4.0, 'label': 'truth'}
 ESTIMATE = {'color': RED, 'linewidth': 1.4, 'label': 'estimate'}
 
@@ -25,8 +25,7 @@ def save(path: Path, draw: Callable[[Axes], None], height: float = 3.4) -> Path:
     """Write one picture; ``draw`` fills its axes."""
     figure, axes = plt.subplots(figsize=(9.0, height), dpi=110)
     draw(axes)
-    axes.grid(alpha=0.3)
-    axes.spines[['top', 'right']].set_visible(False)
+    tidy(axes)
     axes.legend(frameon=False, loc='best')
     figure.tight_layout()
     figure.savefig(path)

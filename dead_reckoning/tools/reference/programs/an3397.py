@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 
 from dead_reckoning.core.reference import an3397
 from dead_reckoning.core.reference.an3397_frame import END_OF_FRAME, SHIFT
-from dead_reckoning.tools.reference.options import add_counts, whole
+from dead_reckoning.tools.options import add_counts, whole
 from dead_reckoning.tools.reference.table import Columns, read
 
 SUMMARY = 'AN3397: acceleration, velocity, position and frame of an update of 64 conversions'

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 
 from dead_reckoning.core.reference import an900
-from dead_reckoning.tools.reference.options import add_counts, whole
+from dead_reckoning.tools.options import add_counts, whole
 from dead_reckoning.tools.reference.table import Columns, read
 
 SUMMARY = 'AN-900: the steps, their lengths and the distance'

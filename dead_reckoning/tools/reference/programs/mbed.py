@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dead_reckoning.core.reference import mbed
-from dead_reckoning.tools.reference.options import add_counts, finite, whole
+from dead_reckoning.tools.options import add_counts, finite, whole
 from dead_reckoning.tools.reference.table import Columns, read
 
 SUMMARY = 'mbed page: acceleration, velocity and position of an update, in units of the gain'

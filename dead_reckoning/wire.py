@@ -3,7 +3,8 @@
 A serialized message starts with four bytes that name the encoding, here little-endian CDR
 (``00 01 00 00``), followed by the fields, each aligned to its size counted from there: a header
 (int32, uint32, string), then runs of doubles.  So a message is one `struct` layout per length of
-its frame ids.  What is not little-endian CDR goes through rclpy's own serialization once.
+its frame ids.  What is not little-endian CDR raises `EncodingError`: nodes and bags bring it there
+first, with the serialization they have.
 
 Encoders write byte for byte what ``rclpy.serialization.serialize_message`` writes, but for the
 padding, which rclpy leaves as it finds the memory and which is zero here.
@@ -14,14 +15,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 from struct import Struct, error
-from typing import Any
 
-from geometry_msgs.msg import AccelWithCovarianceStamped
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import Imu
-from std_msgs.msg import Float64, UInt32
-
-from dead_reckoning.core.errors import WireError
+from dead_reckoning.core.errors import EncodingError, WireError
 from dead_reckoning.core.rotation import (
     matrix_from_quaternion,
     rotate,
@@ -49,13 +44,14 @@ _TEXT_AT = 16
 _IMU = Struct('<37d')
 _ACCELERATION = Struct('<42d')
 _ODOMETRY = Struct('<85d')
+_POSE = Struct('<7d')
 _UINT32 = Struct('<I')
 _FLOAT64 = Struct('<d')
 _NO_ANGLES = (0.0,) * 3
 
 
 @lru_cache(maxsize=256)
-def _layout(doubles: int, *texts: str) -> tuple[Struct, bytes]:
+def layout(doubles: int, *texts: str) -> tuple[Struct, bytes]:
     """Return the layout of a stamped message with its texts, and the texts as they stand in it."""
     body = bytearray(8)  # the stamp
     for text in texts:
@@ -67,29 +63,21 @@ def _layout(doubles: int, *texts: str) -> tuple[Struct, bytes]:
     return Struct(f'<4siI{len(middle)}s{doubles}d'), middle
 
 
-def _little_endian(data: bytes, message_type: Any) -> bytes:
-    if data[:2] == LITTLE_ENDIAN[:2]:
-        return data
-    from rclpy.serialization import deserialize_message, serialize_message
-
-    try:
-        again = bytes(serialize_message(deserialize_message(data, message_type)))
-    except RuntimeError as problem:
-        raise _no_message(data, message_type, problem) from problem
-    if again[:2] != LITTLE_ENDIAN[:2]:
-        raise WireError(f'a {message_type.__name__} could not be brought to little-endian CDR')
-    return again
+def require_little_endian(data: bytes) -> None:
+    """Raise `EncodingError` for bytes that do not begin as little-endian CDR does."""
+    if data[:2] != LITTLE_ENDIAN[:2]:
+        raise EncodingError(f'{len(data)} bytes are no little-endian CDR')
 
 
-def _no_message(data: bytes, message_type: Any, problem: Exception) -> WireError:
-    return WireError(f'{len(data)} bytes are no {message_type.__name__}: {problem}')
+def _no_message(data: bytes, kind: str, problem: Exception) -> WireError:
+    return WireError(f'{len(data)} bytes are no {kind}: {problem}')
 
 
 def _read(
-    data: bytes, message_type: Any, layout: Struct, texts: int
+    data: bytes, kind: str, layout: Struct, texts: int
 ) -> tuple[int, str, tuple[float, ...]]:
     """Return stamp [ns], first text and all doubles of a message."""
-    data = _little_endian(data, message_type)
+    require_little_endian(data)
     try:
         seconds, nanoseconds, length = _STAMP.unpack_from(data, _STAMP_AT)
         frame_id = data[_TEXT_AT : _TEXT_AT + length].partition(b'\0')[0].decode()
@@ -99,10 +87,10 @@ def _read(
             at += 4 + int.from_bytes(data[4 + at : 8 + at], 'little')
         doubles = layout.unpack_from(data, 4 + at + -at % 8)
     except (error, UnicodeDecodeError) as problem:
-        raise _no_message(data, message_type, problem) from problem
+        raise _no_message(data, kind, problem) from problem
     if nanoseconds >= NANOSECONDS:
         raise WireError(
-            f'the stamp of a {message_type.__name__} has {nanoseconds} ns beside its seconds, '
+            f'the stamp of a {kind} has {nanoseconds} ns beside its seconds, '
             'more than a second: check the driver'
         )
     return seconds * NANOSECONDS + nanoseconds, frame_id, doubles
@@ -114,7 +102,7 @@ def decode_imu(data: bytes) -> ImuSample:
     Orientation and angular velocity are None where their covariance starts with −1 (REP-145), the
     orientation also where all four numbers are zero.
     """
-    stamp_ns, frame_id, d = _read(data, Imu, _IMU, 1)
+    stamp_ns, frame_id, d = _read(data, 'Imu', _IMU, 1)
     orientation = d[0:4]
     oriented = d[4] >= 0.0 and orientation != (0.0, 0.0, 0.0, 0.0)
     turning = d[16] >= 0.0
@@ -132,16 +120,15 @@ def decode_imu(data: bytes) -> ImuSample:
 
 def encode_imu(imu: ImuSample) -> bytes:
     """Write a sensor_msgs/Imu; what is None gets covariance[0] = −1."""
-    layout, middle = _layout(37, imu.frame_id)
-    oriented = imu.orientation is not None
-    turning = imu.angular_velocity is not None
-    return layout.pack(
+    packed, middle = layout(37, imu.frame_id)
+    oriented, turning = imu.orientation is not None, imu.angular_velocity is not None
+    return packed.pack(
         LITTLE_ENDIAN,
         *divmod(imu.stamp_ns, NANOSECONDS),
         middle,
-        *(imu.orientation if oriented else IDENTITY_QUATERNION),
+        *(IDENTITY_QUATERNION if imu.orientation is None else imu.orientation),
         *(imu.orientation_covariance if oriented else NOT_MEASURED),
-        *(imu.angular_velocity if turning else ZERO),
+        *(ZERO if imu.angular_velocity is None else imu.angular_velocity),
         *(imu.angular_velocity_covariance if turning else NOT_MEASURED),
         *imu.specific_force,
         *imu.specific_force_covariance,
@@ -150,14 +137,14 @@ def encode_imu(imu: ImuSample) -> bytes:
 
 def decode_acceleration(data: bytes) -> LinearAcceleration:
     """Read a geometry_msgs/AccelWithCovarianceStamped, its linear part; raises `WireError`."""
-    stamp_ns, frame_id, d = _read(data, AccelWithCovarianceStamped, _ACCELERATION, 1)
+    stamp_ns, frame_id, d = _read(data, 'AccelWithCovarianceStamped', _ACCELERATION, 1)
     return LinearAcceleration(stamp_ns, frame_id, d[0:3], d[6:9] + d[12:15] + d[18:21])  # type: ignore[arg-type]
 
 
 def encode_acceleration(sample: LinearAcceleration) -> bytes:
     """Write a geometry_msgs/AccelWithCovarianceStamped; its angular part is not measured."""
-    layout, middle = _layout(42, sample.frame_id)
-    return layout.pack(
+    packed, middle = layout(42, sample.frame_id)
+    return packed.pack(
         LITTLE_ENDIAN,
         *divmod(sample.stamp_ns, NANOSECONDS),
         middle,
@@ -169,7 +156,7 @@ def encode_acceleration(sample: LinearAcceleration) -> bytes:
 
 def decode_odometry(data: bytes) -> NavigationState:
     """Read a nav_msgs/Odometry, its twist turned into the world; raises `WireError`."""
-    stamp_ns, _, d = _read(data, Odometry, _ODOMETRY, 2)
+    stamp_ns, _, d = _read(data, 'Odometry', _ODOMETRY, 2)
     attitude = d[3:7]
     rot_wb = matrix_from_quaternion(attitude)  # type: ignore[arg-type]
     pose, twist = d[7:43], d[49:85]
@@ -187,12 +174,18 @@ def decode_odometry(data: bytes) -> NavigationState:
     )
 
 
+def decode_pose(data: bytes) -> NavigationState:
+    """Read a geometry_msgs/PoseStamped, of which no more is known; raises `WireError`."""
+    stamp_ns, _, d = _read(data, 'PoseStamped', _POSE, 1)
+    return NavigationState(stamp_ns, d[:3], ZERO, d[3:])  # type: ignore[arg-type]
+
+
 def odometry_encoder(frame_id: str, child_frame_id: str) -> Callable[[NavigationState], bytes]:
     """Return a function that writes states as nav_msgs/Odometry between these two frames.
 
     The twist, its covariance too, is in the child frame.
     """
-    layout, middle = _layout(85, frame_id, child_frame_id)
+    packed, middle = layout(85, frame_id, child_frame_id)
     huge = UNMEASURED_VARIANCE
     unmeasured: Matrix = (huge, 0.0, 0.0, 0.0, huge, 0.0, 0.0, 0.0, huge)
 
@@ -200,7 +193,7 @@ def odometry_encoder(frame_id: str, child_frame_id: str) -> Callable[[Navigation
         rot_wb = matrix_from_quaternion(state.attitude)
         a, b, c, d, e, f, g, h, i = rot_wb
         turning = state.angular_velocity is not None
-        return layout.pack(
+        return packed.pack(
             LITTLE_ENDIAN,
             *divmod(state.stamp_ns, NANOSECONDS),
             middle,
@@ -208,7 +201,7 @@ def odometry_encoder(frame_id: str, child_frame_id: str) -> Callable[[Navigation
             *state.attitude,
             *_blocks(state.position_covariance, state.attitude_covariance),
             *rotate_back(rot_wb, state.velocity),
-            *(state.angular_velocity if turning else ZERO),
+            *(ZERO if state.angular_velocity is None else state.angular_velocity),
             *_blocks(
                 rotate_covariance((a, d, g, b, e, h, c, f, i), state.velocity_covariance),
                 state.angular_velocity_covariance if turning else unmeasured,
@@ -230,7 +223,7 @@ def encode_uint32(value: int) -> bytes:
 
 def decode_uint32(data: bytes) -> int:
     """Read a std_msgs/UInt32; raises `WireError`."""
-    return int(_read_one(data, UInt32, _UINT32))
+    return int(_read_one(data, 'UInt32', _UINT32))
 
 
 def encode_float64(value: float) -> bytes:
@@ -240,14 +233,15 @@ def encode_float64(value: float) -> bytes:
 
 def decode_float64(data: bytes) -> float:
     """Read a std_msgs/Float64; raises `WireError`."""
-    return float(_read_one(data, Float64, _FLOAT64))
+    return float(_read_one(data, 'Float64', _FLOAT64))
 
 
-def _read_one(data: bytes, message_type: Any, layout: Struct) -> float:
+def _read_one(data: bytes, kind: str, layout: Struct) -> float:
+    require_little_endian(data)
     try:
-        return layout.unpack_from(_little_endian(data, message_type), 4)[0]
+        return layout.unpack_from(data, 4)[0]  # type: ignore[no-any-return]
     except error as problem:
-        raise _no_message(data, message_type, problem) from problem
+        raise _no_message(data, kind, problem) from problem
 
 
 def _blocks(first: Matrix, second: Matrix) -> tuple[float, ...]:

@@ -38,3 +38,11 @@ def finite(text: str) -> float:
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f'{text} is not finite')
     return value
+
+
+def positive(text: str) -> float:
+    """Convert a finite number above 0."""
+    value = finite(text)
+    if value <= 0.0:
+        raise argparse.ArgumentTypeError(f'{text} is not above 0')
+    return value

@@ -1,0 +1,1 @@
+"""The command ``replay``: the chain over recordings, faster than real time."""

@@ -1,0 +1,154 @@
+"""The command `replay`: run the configured chain over recordings."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from dead_reckoning.core.errors import DeadReckoningError, InputError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what the command takes."""
+    parser.add_argument(
+        'inputs',
+        nargs='+',
+        type=Path,
+        metavar='INPUT',
+        help='a rosbag2 folder, a ROS 1 .bag, or a .csv with a header',
+    )
+    parser.add_argument('--config', type=Path, required=True, help='parameter file of the nodes')
+    parser.add_argument(
+        '--output',
+        type=Path,
+        required=True,
+        metavar='DIR',
+        help='folder for the outputs; of several inputs each gets a folder in it',
+    )
+    parser.add_argument(
+        '--outputs', metavar='LIST', help='names of outputs with commas between; default: all'
+    )
+    parser.add_argument('--imu', metavar='TOPIC', help='topic of the Imu, where several may be')
+    parser.add_argument(
+        '--rate', type=_rate, metavar='HZ', help='samples per second of a .csv without stamps'
+    )
+    parser.add_argument(
+        '--jobs', type=_jobs, default=1, metavar='N', help='replay so many inputs at a time'
+    )
+    parser.add_argument(
+        '--scheduler', metavar='ADDRESS', help='replay on the Dask cluster of this scheduler'
+    )
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Replay the inputs; return the exit status: 1 where one of several failed."""
+    from dead_reckoning.configuration import Configuration
+    from dead_reckoning.core.errors import RecordingError, SettingsError
+    from dead_reckoning.tools.replay.many import executor, folders, run_all
+    from dead_reckoning.tools.replay.progress import Progress
+    from dead_reckoning.tools.replay.run import Job
+
+    try:
+        configuration = Configuration.load(arguments.config)
+    except SettingsError as error:
+        raise InputError(f'--config {error}') from error
+    alone = arguments.jobs == 1 and arguments.scheduler is None
+    wanted = arguments.outputs
+    jobs = [
+        Job(
+            path=path,
+            folder=folder.absolute(),
+            configuration=configuration,
+            wanted=None if wanted is None else tuple(wanted.split(',')),
+            imu=arguments.imu,
+            rate=arguments.rate,
+            watched=alone,
+        )
+        for path, folder in zip(
+            arguments.inputs, folders(arguments.inputs, arguments.output), strict=True
+        )
+    ]
+    with (
+        executor(arguments.jobs, arguments.scheduler) as pool,
+        Progress('recordings', len(jobs), not alone) as progress,
+    ):
+        outcomes = run_all(jobs, pool, progress)
+    if len(outcomes) == 1 and isinstance(outcomes[0], DeadReckoningError):
+        (error,) = outcomes
+        if isinstance(error, (RecordingError, SettingsError)):
+            raise InputError(str(error)) from error
+        raise error
+    print(table(arguments.inputs, outcomes))
+    for path, outcome in zip(arguments.inputs, outcomes, strict=True):
+        for said in faults(outcome):
+            print(f'{path}: {said}', file=sys.stderr)
+    return int(any(isinstance(outcome, DeadReckoningError) for outcome in outcomes))
+
+
+HEAD = ('input', 'samples', 'duration', 'steps', 'distance', 'end position', 'dropped', 'took')
+
+
+def table(paths: list[Path], outcomes: list[Any]) -> str:
+    """Return a line for each input: figures, or why there are none."""
+    rows: list[tuple[str, ...]] = [HEAD]
+    for path, outcome in zip(paths, outcomes, strict=True):
+        if isinstance(outcome, DeadReckoningError):
+            rows.append((str(path), str(outcome)))
+            continue
+        figures = outcome.figures
+        end = figures['end_position_m']
+        rows.append(
+            (
+                str(path),
+                str(figures['samples']),
+                f'{figures["duration_s"]:.1f} s',
+                _said(figures['steps'], ''),
+                _said(figures['distance_m'], '.1f', ' m'),
+                '–' if end is None else ', '.join(f'{x:.2f}' for x in end) + ' m',
+                str(sum(figures['dropped'].values())),
+                f'{outcome.seconds:.1f} s',
+            )
+        )
+    whole = [row for row in rows if len(row) == len(HEAD)]
+    widths = [max(map(len, column)) for column in zip(*whole, strict=True)]
+    widths[0] = max(len(row[0]) for row in rows)
+    lines = []
+    for row in rows:
+        first, *rest = row
+        if len(row) == len(HEAD):
+            rest = [f'{cell:>{width}}' for cell, width in zip(rest, widths[1:], strict=True)]
+        lines.append('  '.join([f'{first:<{widths[0]}}', *rest]))
+    return '\n'.join(lines)
+
+
+def faults(outcome: Any) -> list[str]:
+    """Return a line for each class of faults: how often it came, and what the first one said."""
+    if isinstance(outcome, DeadReckoningError):
+        return []
+    return [
+        f'{fault.count} × {name}: {fault.first}'
+        for name, fault in outcome.faults.items()
+        if fault.first.severity != 'none'
+    ]
+
+
+def _said(value: float | None, form: str, unit: str = '') -> str:
+    return '–' if value is None else f'{value:{form}}{unit}'
+
+
+def _rate(text: str) -> float:
+    try:
+        rate = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f'{text!r} is no number') from None
+    if not 0.0 < rate <= 1e6:
+        raise argparse.ArgumentTypeError(f'{text} is no rate from 0 to 1000000 Hz')
+    return rate
+
+
+def _jobs(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f'{text!r} is no number of processes')
+    return int(text)
