@@ -16,25 +16,26 @@ FLOOR = 1e-9
 class BiasGrowth:
     """Carry the covariance of position and velocity through double integration.
 
-    A wrong attitude and the rest of an offset are constant, so they are no noise that averages
-    out: an attitude error θ (world) and an offset b (sensor) add ``rot_ws·b − [f_w]×·θ`` to every
-    acceleration.  The sensitivities of position and velocity to (θ, b) are integrated beside them,
-    so at rest the deviation of position grows as ½·g·σ·t².  White noise is carried beside it, one
-    variance for all axes.  ``axes`` says along which axes of the sensor the body moves at all.
-    Derived in docs/integrator.md, "Covariance".
+    A wrong attitude, a wrong magnitude of gravity and the rest of an offset are constant, so they
+    are no noise that averages out: an attitude error θ (world), an error γ of gravity (up) and an
+    offset b (sensor) add ``rot_ws·b − [f_w]×·θ − (0, 0, γ)`` to every acceleration.  The
+    sensitivities of position and velocity to (θ, γ, b) are integrated beside them, so at rest the
+    deviation of position grows as ½·g·σ·t².  White noise is carried beside it, one variance for
+    all axes.  ``axes`` says along which axes of the sensor the body moves at all.  Derived in
+    docs/integrator.md, "Covariance".
     """
 
     def __init__(self, offset_deviation: float, axes: Sequence[bool] = (True, True, True)) -> None:
         self._mask = None if all(axes) else np.diag([float(moves) for moves in axes])
-        self._sigma = np.zeros((6, 6))
-        self._sigma[3:, 3:] = offset_deviation**2 * np.eye(3)
+        self._sigma = np.zeros((7, 7))
+        self._sigma[4:, 4:] = offset_deviation**2 * np.eye(3)
         self._attitude_covariance: Matrix | None = None
-        self._jacobian = np.zeros((3, 6))
+        self._jacobian = np.zeros((3, 7))
         self.reset()
 
     def reset(self) -> None:
         """Forget all growth: position and velocity are known."""
-        self._sensitivity = np.zeros((6, 6))  # rows: position, velocity; columns: θ, b
+        self._sensitivity = np.zeros((6, 7))  # rows: position, velocity; columns: θ, γ, b
         self._pp = self._pv = self._vv = 0.0
 
     def step(
@@ -45,17 +46,20 @@ class BiasGrowth:
         attitude: Matrix,
         noise: Matrix,
         velocity_w: Vector = ZERO,
+        gravity_variance: float = 0.0,
     ) -> None:
         """Grow over one sample.
 
         ``dt`` [s]; ``force_w`` the specific force, shape (3,) [m/s²], world; ``attitude`` the
         covariance of the attitude, shape (3, 3) [rad²], world; ``noise`` that of the specific
         force of one sample, shape (3, 3) [m²/s⁴]; ``velocity_w`` the velocity at the end of the
-        step, which matters only to a body that carries it along (`HeadingGrowth`).
+        step, which matters only to a body that carries it along (`HeadingGrowth`);
+        ``gravity_variance`` [m²/s⁴] that of the magnitude of gravity.
         """
         if attitude is not self._attitude_covariance:
             self._attitude_covariance = attitude
             self._sigma[:3, :3] = np.reshape(attitude, (3, 3))
+        self._sigma[3, 3] = gravity_variance
         write_jacobian(self._jacobian, rot_ws, force_w, self._mask)
         rate = self._sensitivity[3:]
         self._sensitivity[:3] += dt * rate + (0.5 * dt * dt) * self._jacobian

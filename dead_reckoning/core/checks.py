@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite
 
 from dead_reckoning.core.errors import MissingAccelerationError, NotFiniteError
-from dead_reckoning.core.samples import ImuSample, Matrix, Vector
+from dead_reckoning.core.samples import ImuSample, LinearAcceleration, Matrix, Vector
 
 LARGEST = 1e6
 """Magnitude [SI] beyond which a force or a rate is no measurement; its powers stay finite."""
@@ -45,6 +45,16 @@ def require_covariance(covariance: Matrix, name: str) -> None:
         f'the covariance of the {name} is {covariance}, which is none: check the driver; zeros '
         'mean that it is unknown, a first -1 that nothing is measured'
     )
+
+
+def require_acceleration(acceleration: LinearAcceleration) -> None:
+    """Raise `NotFiniteError` where an acceleration, or its vertical variance, can't be used."""
+    require_vector(acceleration.acceleration, 'linear acceleration')
+    if not isfinite(acceleration.covariance[8]):
+        raise NotFiniteError(
+            f'the covariance of the linear acceleration is {acceleration.covariance}, which is '
+            'none: check where it comes from; zeros mean that it is unknown'
+        )
 
 
 def require_force(imu: ImuSample) -> None:

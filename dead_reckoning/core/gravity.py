@@ -19,7 +19,7 @@ from dead_reckoning.core.errors import (
     SupersededError,
 )
 from dead_reckoning.core.gravity_settings import GravitySettings
-from dead_reckoning.core.rest import check_gravity, check_up_axis
+from dead_reckoning.core.rest import check_gravity, check_up_axis, level_variances
 from dead_reckoning.core.rest_search import RestSearch, Stillness
 from dead_reckoning.core.rotation import (
     cross_covariance,
@@ -58,7 +58,8 @@ class GravityRemoval:
     """Rotate the specific force into the world and take gravity off it.
 
     ``a_w = rot_ws · f_s − (0, 0, g)``, with covariance
-    ``Σ_a = rot_ws Σ_f rot_wsᵀ + [rot_ws f]× Σ_θ [rot_ws f]×ᵀ`` (docs/gravity.md).
+    ``Σ_a = rot_ws Σ_f rot_wsᵀ + [rot_ws f]× Σ_θ [rot_ws f]×ᵀ + diag(0, 0, σ_g²)``
+    (docs/gravity.md).
 
     Attitude `message` takes the orientation of each sample.  `rest` holds the roll and pitch that
     gravity showed at the first rest (`HeldAttitude`), `estimate` carries them on with the gyro
@@ -94,6 +95,7 @@ class GravityRemoval:
     def _start_over(self) -> None:
         self.gravity = self.settings.magnitude
         """Gravity [m/s²], as set or as measured at rest."""
+        self._gravity_variance = 0.0
         self._attitude.reset()
         self._searching = self.settings.attitude != 'message' or self.settings.measure
         self._begin_rest(self._searching)
@@ -158,11 +160,12 @@ class GravityRemoval:
         force_w = rotate(rot_ws, force_s)
         tilted = cross_covariance(force_w, tilt)
         noisy = rotate_covariance(rot_ws, noise)
+        *covariance, vertical = [t + n for t, n in zip(tilted, noisy)]  # noqa: B905
         acceleration = LinearAcceleration(
             imu.stamp_ns,
             self._world_frame,
             (force_w[0], force_w[1], force_w[2] - self.gravity),
-            tuple([t + n for t, n in zip(tilted, noisy)]),  # type: ignore[arg-type]  # noqa: B905
+            (*covariance, vertical + self._gravity_variance),  # type: ignore[arg-type]
         )
         if self.settings.attitude != 'message':
             imu = ImuSample(
@@ -236,4 +239,5 @@ class GravityRemoval:
         except MountingError as warning:
             self.findings.append(warning)
         self.gravity = magnitude
+        self._gravity_variance, _ = level_variances(still.force)
         return f'gravity is {magnitude:.4f} m/s²' + (f', {found}' if found else '')

@@ -20,18 +20,18 @@ class HeadingGrowth:
     def __init__(self, offset_deviation: float, axis: int) -> None:
         """``axis`` is that of the sensor, 0 to 2."""
         self._axis = axis
-        self._sigma = np.zeros((6, 6))
-        self._sigma[3:, 3:] = offset_deviation**2 * np.eye(3)
+        self._sigma = np.zeros((7, 7))
+        self._sigma[4:, 4:] = offset_deviation**2 * np.eye(3)
         self._attitude_covariance: Matrix | None = None
-        self._jacobian = np.zeros((1, 6))
+        self._jacobian = np.zeros((1, 7))
         self.reset()
 
     def reset(self) -> None:
         """Forget all growth: position and velocity are known."""
         self._ahead = np.zeros(3)
-        self._position = np.zeros((3, 6))  # sensitivities to (θ, b)
-        self._velocity = np.zeros((3, 6))
-        self._speed = np.zeros((1, 6))
+        self._position = np.zeros((3, 7))  # sensitivities to (θ, γ, b)
+        self._velocity = np.zeros((3, 7))
+        self._speed = np.zeros((1, 7))
         self._white = np.zeros((4, 4))  # of position and speed
 
     def step(
@@ -42,11 +42,13 @@ class HeadingGrowth:
         attitude: Matrix,
         noise: Matrix,
         velocity_w: Vector = ZERO,
+        gravity_variance: float = 0.0,
     ) -> None:
         """Grow over one sample; the arguments are those of `BiasGrowth.step`."""
         if attitude is not self._attitude_covariance:
             self._attitude_covariance = attitude
             self._sigma[:3, :3] = np.reshape(attitude, (3, 3))
+        self._sigma[3, 3] = gravity_variance
         write_jacobian_along(self._jacobian, rot_ws, self._axis)
         self._speed += dt * self._jacobian
         self._position += (0.5 * dt) * self._velocity

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from concurrent.futures import Future
 
-from dead_reckoning.core.checks import require_covariances, require_rate, require_vector
+from dead_reckoning.core.acceleration_error import gravity_variance
+from dead_reckoning.core.checks import (
+    require_acceleration,
+    require_covariances,
+    require_rate,
+    require_vector,
+)
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import (
     DeadReckoningError,
@@ -127,8 +133,7 @@ class Integrator:
 
         Raises `SampleError` (not finite, no attitude, stale stamp), and then nothing changed.
         """
-        accel_w = acceleration.acceleration
-        require_vector(accel_w, 'linear acceleration')
+        require_acceleration(acceleration)
         self.require(imu)
         assert imu.orientation is not None
         orientation = normalized(imu.orientation)
@@ -137,7 +142,7 @@ class Integrator:
         if self._timeline.restarts != restarts:
             self._give_up_calibration(NotAtRestError('the stamps went back meanwhile: ask again'))
         rotation = matrix_from_quaternion(orientation)
-        reading = self._read(accel_w, rotation, imu)
+        reading = self._read(acceleration, rotation, imu)
         dt = min((step_ns or 0) / NANOSECONDS, LONGEST_GAP)
         gap = dt > self.settings.max_gap
         if step_ns is None or gap:
@@ -184,7 +189,8 @@ class Integrator:
             return state
         return carried(state, rotation, lever_arm, self._start_w, rate_covariance)
 
-    def _read(self, accel_w: Vector, rot_ws: Matrix, imu: ImuSample) -> Reading:
+    def _read(self, acceleration: LinearAcceleration, rot_ws: Matrix, imu: ImuSample) -> Reading:
+        accel_w = acceleration.acceleration
         measured_s = rotate_back(rot_ws, accel_w)
         if self._window is not None:
             self._calibrate_with(self._window, imu.stamp_ns, measured_s)
@@ -198,14 +204,19 @@ class Integrator:
         if attitude_covariance == UNKNOWN:
             attitude_covariance = self._attitude_fallback
         noise = imu.specific_force_covariance
-        if noise == UNKNOWN or noise[0] < 0.0:  # unknown, or another device measured it
+        elsewhere = noise[0] < 0.0  # another device measured it
+        if noise == UNKNOWN or elsewhere:
             noise = self._noise_fallback
+        gravity = 0.0
+        if not elsewhere:
+            gravity = gravity_variance(acceleration, rot_ws, attitude_covariance, noise)
         return Reading(
             rot_ws,
             accel_w,
             (accel_s[0], accel_s[1], accel_s[2]),
             (kept_s[0], kept_s[1], kept_s[2]),
             attitude_covariance,
+            gravity,
             noise,
         )
 

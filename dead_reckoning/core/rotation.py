@@ -141,6 +141,13 @@ def similarity(m: Matrix, s: Matrix) -> Matrix:
     )  # fmt: skip
 
 
+def variance_along(vector: Vector, covariance: Matrix) -> float:
+    """Say how well ``v · a`` is known when a, shape (3,), has Σ: ``v · Σ · v``."""
+    x, y, z = vector
+    xx, xy, xz, _, yy, yz, _, _, zz = covariance
+    return (x * xx + 2.0 * (y * xy + z * xz)) * x + (y * yy + 2.0 * z * yz) * y + z * zz * z
+
+
 def isotropic(deviation: float) -> Matrix:
     """Return the covariance, shape (3, 3), of one deviation on every axis."""
     variance = deviation * deviation

@@ -19,15 +19,15 @@ from std_srvs.srv import SetBool, Trigger
 from dead_reckoning.configuration import COMMON
 from dead_reckoning.core.chain import FAULT, NOTICE, Chain, Output
 from dead_reckoning.core.common import CommonSettings, FrameSettings
-from dead_reckoning.core.errors import DeadReckoningError, SettingsError, WireError
+from dead_reckoning.core.errors import SettingsError, WireError
 from dead_reckoning.core.parameters import Settings
 from dead_reckoning.core.stages import ODOMETRY
 from dead_reckoning.nodes import parameters
-from dead_reckoning.nodes.diagnostics import Diagnostics
+from dead_reckoning.nodes.diagnostics import Diagnostics, Finding
 from dead_reckoning.nodes.services import DeferredServices
 from dead_reckoning.nodes.topics import decoder, message_class, publisher_qos, subscription_qos
 from dead_reckoning.nodes.transforms import transform_sender
-from dead_reckoning.nodes.watch import ClockWatch, Input, TopicWatch
+from dead_reckoning.nodes.watch import Input, TopicWatch
 from dead_reckoning.topics import topics
 
 SERVICE_PERIOD = 0.05
@@ -60,9 +60,7 @@ class ChainNode(Node):
         self._figures: list[Callable[[], Mapping[str, object]]] = []
         self._closings: list[Callable[[], None]] = []
         self._topic_watch = TopicWatch(self, self.common.input_timeout)
-        self._watches: list[Callable[[], Iterable[DeadReckoningError]]] = [
-            self._topic_watch.findings
-        ]
+        self._watches: list[Callable[[], Iterable[Finding]]] = [self._topic_watch.findings]
         self.diagnostics = Diagnostics(
             self, self._all_figures, self._all_findings, self._topic_watch.awaited
         )
@@ -132,9 +130,9 @@ class ChainNode(Node):
         """Add figures to what /diagnostics shows."""
         self._figures.append(figures)
 
-    def watch_clock(self) -> None:
-        """Let /diagnostics say when the node's clock stands, since nothing goes on then."""
-        self._watches.append(ClockWatch(self, self.common.input_timeout).findings)
+    def watch(self, findings: Callable[[], Iterable[Finding]]) -> None:
+        """Let /diagnostics and the log say what ``findings`` returns as long as it lasts."""
+        self._watches.append(findings)
 
     def at_end(self, close: Callable[[], None]) -> None:
         """Call ``close`` when the node ends."""
@@ -169,7 +167,7 @@ class ChainNode(Node):
         self._put_out(self._chain.push(name, value))
 
     def _receive(self, watched: Input, decode: Callable[[bytes], Any], data: bytes) -> None:
-        watched.count += 1
+        watched.arrive()
         self.diagnostics.samples += 1
         try:
             sample = decode(data)
@@ -191,7 +189,7 @@ class ChainNode(Node):
     def _count_usable(self) -> int:
         return self.diagnostics.samples - self.diagnostics.dropped
 
-    def _all_findings(self) -> Iterator[DeadReckoningError]:
+    def _all_findings(self) -> Iterator[Finding]:
         return (finding for findings in self._watches for finding in findings())
 
     def _all_figures(self) -> Mapping[str, object]:

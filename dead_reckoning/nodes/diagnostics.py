@@ -5,32 +5,41 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
+from typing import TypeAlias
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from dead_reckoning.core.errors import DeadReckoningError, NotLevelledError, SampleError
+from dead_reckoning.core.errors import (
+    DeadReckoningError,
+    MissingMountingError,
+    NotLevelledError,
+    SampleError,
+)
+
+Finding: TypeAlias = tuple[str, DeadReckoningError]
+"""What lasts: its subject, as a topic or a port, and what is wrong with that, with the remedy."""
 
 REPEAT = 30.0
-"""A fault that goes on is logged again after this time [s], with how often it came."""
+"""A fault that keeps coming is logged anew after this time [s], with how often it came."""
 
 PATIENCE = 2.0
-"""How long [s] waiting for rest, at the start or anew, goes without a word."""
+"""How long [s] waiting for rest or a mounting, at the start or anew, goes without a word."""
 
 
 class Diagnostics:
     """Faults by their class name, and the figures a node gives, once a second.
 
-    ``figures`` returns what else is worth seeing, ``findings`` what is wrong as long as it lasts,
-    ``awaited`` says what has not come yet.  The level is that of the faults since the last time,
-    and of what lasts: error for wrong input, warning for dropped samples.
+    ``figures`` returns what else is worth seeing, ``findings`` what is wrong now and lasts,
+    ``awaited`` says what has not come yet.  The level is that of what lasts, and of the faults
+    since the last time: error for wrong input, warning for dropped samples.
     """
 
     def __init__(
         self,
         node: Node,
         figures: Callable[[], Mapping[str, object]],
-        findings: Callable[[], Iterable[DeadReckoningError]],
+        findings: Callable[[], Iterable[Finding]],
         awaited: Callable[[], str],
     ) -> None:
         self._node = node
@@ -41,8 +50,8 @@ class Diagnostics:
         self._faults: Counter[str] = Counter()
         self._recent: dict[str, DeadReckoningError] = {}
         self._said: dict[str, tuple[float, int]] = {}
-        self._state: DeadReckoningError | None = None
-        self._waiting_since: float | None = None
+        self._lasting: dict[tuple[str, str], DeadReckoningError] = {}
+        self._waiting_since: dict[str, float] = {}
         self.samples = 0
         """Samples taken in so far."""
         self.dropped = 0
@@ -56,12 +65,13 @@ class Diagnostics:
             return
         self._recent[kind] = error
         now = time.monotonic()
-        if isinstance(error, NotLevelledError):
-            self._waiting_since = self._waiting_since or now
-            if now - self._waiting_since < PATIENCE:
-                return
-        elif isinstance(error, SampleError):
+        if isinstance(error, SampleError) and not isinstance(error, NotLevelledError):
             self.dropped += 1
+        if (
+            isinstance(error, (MissingMountingError, NotLevelledError))
+            and now - self._waiting_since.setdefault(kind, now) < PATIENCE
+        ):
+            return
         last, count = self._said.get(kind, (-REPEAT, 0))
         if now - last < REPEAT:
             return
@@ -69,15 +79,20 @@ class Diagnostics:
         more = self._faults[kind] - count - 1
         self._log(error, f' ({more} more of these)' if count and more else '')
 
-    def state(self, error: DeadReckoningError | None) -> None:
-        """Hold what lasts until the next call, None for all well: counted and logged once.
+    def look(self) -> None:
+        """See what lasts: count and log what has begun since the last look, log what is over.
 
-        The level stays that of the error meanwhile.
+        `publish` looks once a second; who knows of a change lets it be seen at once.
         """
-        if error is not None and str(error) != str(self._state):
-            self._faults[type(error).__name__] += 1
-            self._log(error)
-        self._state = error
+        before = self._lasting
+        self._lasting = {(about, type(e).__name__): e for about, e in self._findings()}
+        for about, kind in before:
+            if (about, kind) not in self._lasting:
+                self._node.get_logger().info(f'{about}: {kind} is over')
+        for (about, kind), error in self._lasting.items():
+            if (about, kind) not in before:
+                self._faults[kind] += 1
+                self._log(error)
 
     def _log(self, error: DeadReckoningError, more: str = '') -> None:
         log = self._node.get_logger()
@@ -88,12 +103,9 @@ class Diagnostics:
 
     def publish(self) -> None:
         """Publish counts, figures and the level since the last time."""
-        events, self._recent = self._recent, {}
-        if NotLevelledError.__name__ not in events:
-            self._waiting_since = None
-        for finding in self._findings():
-            self.fault(finding)
-        self._recent.update(events)  # what lasts explains what came of it, so it stands first
+        self.look()
+        for over in self._waiting_since.keys() - self._recent.keys():
+            del self._waiting_since[over]
         status = DiagnosticStatus(
             name=self._node.get_fully_qualified_name().lstrip('/'), hardware_id='dead_reckoning'
         )
@@ -106,12 +118,13 @@ class Diagnostics:
         self._recent.clear()
 
     def _level(self) -> tuple[bytes, str]:
-        present = [*self._recent.values(), *([self._state] if self._state else [])]
+        # What lasts explains what came of it, so it stands first.
+        present = [*self._lasting.values(), *self._recent.values()]
         if not present:
             return DiagnosticStatus.OK, 'running' if self.samples else self._waiting()
-        worst = min(present, key=lambda error: error.severity)  # errors first
-        warning = worst.severity == 'warning'
-        return DiagnosticStatus.WARN if warning else DiagnosticStatus.ERROR, str(worst)
+        worst = min(error.severity for error in present)  # errors before warnings
+        said = '; '.join(str(error) for error in present if error.severity == worst)
+        return DiagnosticStatus.WARN if worst == 'warning' else DiagnosticStatus.ERROR, said
 
     def _waiting(self) -> str:
         awaited = self._awaited()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.errors import (
@@ -13,6 +13,7 @@ from dead_reckoning.core.errors import (
     ZeroStampError,
 )
 from dead_reckoning.nodes.chain_node import STEADY, ChainNode
+from dead_reckoning.nodes.diagnostics import Finding
 from dead_reckoning.nodes.driver import Driver
 from dead_reckoning.sources.driver import serial_receiver
 from dead_reckoning.sources.serial.port import Opened, Received, SerialPort
@@ -28,8 +29,8 @@ SILENCE = 5.0
 class SerialDriver(Driver):
     """Feed a node with the samples of a board, whatever happens to its port.
 
-    What is wrong with the port is said once when it changes, and holds the level on /diagnostics
-    until readings come.  Readings before and after a loss of the port are never averaged together.
+    What is wrong with the port lasts until readings come.  Readings before and after a loss of the
+    port are never averaged together.
     """
 
     def __init__(self, node: ChainNode, configuration: Configuration) -> None:
@@ -37,6 +38,7 @@ class SerialDriver(Driver):
         self._settings = configuration[SerialSettings]
         self._receiver = serial_receiver(configuration)
         self._state = 'closed'
+        self._error: PortError | None = None
         self._openings = 0
         self._bytes = 0
         self._quiet_since = time.monotonic()
@@ -44,6 +46,7 @@ class SerialDriver(Driver):
         clock = node.get_clock()
         self._port = SerialPort(self._settings, lambda: clock.now().nanoseconds)
         node.at_end(self._port.close)
+        node.watch(self._findings)
         node.create_timer(PERIOD, self._tick, clock=STEADY)
 
     def figures(self) -> Mapping[str, object]:
@@ -87,8 +90,8 @@ class SerialDriver(Driver):
         if len(conversions):
             self._note_quiet()
             if self._state != 'reading':
-                self._state = 'reading'
-                self._node.diagnostics.state(None)
+                self._state, self._error = 'reading', None
+                self._node.diagnostics.look()
                 self._node.get_logger().info(
                     f'{self._settings.port}: readings come, {self._settings.protocol} at '
                     f'{self._settings.baud} baud'
@@ -96,8 +99,12 @@ class SerialDriver(Driver):
             self.deliver(conversions)
 
     def _fail(self, error: PortError) -> None:
-        self._state = type(error).__name__
-        self._node.diagnostics.state(error)
+        self._state, self._error = type(error).__name__, error
+        self._node.diagnostics.look()
+
+    def _findings(self) -> Iterator[Finding]:
+        if self._error is not None:
+            yield self._settings.port, self._error
 
     def _note_quiet(self) -> None:
         self._quiet_since = time.monotonic()

@@ -119,8 +119,8 @@ class _Request:
             return False
         return self._reply(
             False,
-            'no samples to work with: is the topic published, and does its quality of service '
-            'match? common.service_timeout says how long to wait',
+            'no samples to work with: is the topic published, does its quality of service match, '
+            'or are they dropped? See /diagnostics; common.service_timeout says how long to wait',
         )
 
     def _reply(self, success: bool, message: str) -> bool:

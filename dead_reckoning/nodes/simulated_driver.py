@@ -7,6 +7,7 @@ from dead_reckoning.core.samples import NANOSECONDS, ImuSample
 from dead_reckoning.core.stages import GROUND_TRUTH, RAW
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.driver import Driver
+from dead_reckoning.nodes.watch import ClockWatch
 from dead_reckoning.sources.driver import front_end, simulated_sensor
 from dead_reckoning.sources.driver_settings import DriverSettings
 from dead_reckoning.sources.simulated import SimulatedAccelerometer
@@ -31,7 +32,7 @@ class SimulatedDriver(Driver):
         self._last_ns = 0
         period = self._settings.samples_per_message / self._settings.sample_rate
         node.create_timer(max(period, 0.001), self._tick)
-        node.watch_clock()
+        node.watch(ClockWatch(node, node.common.input_timeout).findings)
 
     def _tick(self) -> None:
         now_ns = self._node.get_clock().now().nanoseconds

@@ -10,6 +10,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from rclpy.time import Time
 
+from dead_reckoning.core.checks import require_vector
 from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.core.errors import DependencyError, MissingMountingError
 from dead_reckoning.core.mounting import Mounting, Mountings, mountings_of
@@ -58,14 +59,14 @@ def mountings(node: Node, frames: FrameSettings) -> Mountings:
 class MountingsFromTransforms:
     """Ask for the mounting of each sensor until it is there, and then no more: it sits.
 
-    ``look_up`` returns the transform from a frame to the body, or None while there is none;
-    ``say`` takes a sentence for the user.
+    ``look_up`` returns the transform from a frame to the body, and raises `LookupError`, with the
+    reason, while there is none; ``say`` takes a sentence for the user.
     """
 
     def __init__(
         self,
         body: str,
-        look_up: Callable[[str], TransformStamped | None],
+        look_up: Callable[[str], TransformStamped],
         say: Callable[[str], object],
     ) -> None:
         self._body = body
@@ -74,27 +75,37 @@ class MountingsFromTransforms:
         self._found: dict[str, Mounting] = {}
 
     def __call__(self, frame_id: str) -> Mounting:
-        """Return the mounting of a sensor; raises `MissingMountingError` while there is none."""
+        """Return the mounting of a sensor.
+
+        Raises `MissingMountingError` while there is none, and `NotFiniteError` while its lever arm
+        is none.
+        """
         found = self._found.get(frame_id)
         if found is not None:
             return found
-        transform = self._look_up(frame_id)
-        if transform is None:
+        try:
+            transform = self._look_up(frame_id)
+        except LookupError as error:
             raise MissingMountingError(
-                f'waiting on /tf_static for how {frame_id!r} sits on {self._body!r}: start '
-                'robot_state_publisher or static_transform_publisher, or set frames.mounting to '
-                'parameters'
-            )
-        found = self._found[frame_id] = mounting_from(transform)
+                f'waiting on /tf_static for how {frame_id!r} sits on {self._body!r} ({error}): '
+                'start robot_state_publisher or static_transform_publisher, or set '
+                'frames.mounting to parameters'
+            ) from error
+        found = mounting_from(transform)
+        require_vector(
+            found.translation, f'lever arm of {frame_id}', 'see who publishes it on /tf_static'
+        )
+        self._found[frame_id] = found
         x, y, z = found.translation
         self._say(f'{frame_id} sits on {self._body} at ({x:g}, {y:g}, {z:g}) m, as TF says')
         return found
 
 
-def static_transforms(node: Node, body: str) -> Callable[[str], TransformStamped | None]:
+def static_transforms(node: Node, body: str) -> Callable[[str], TransformStamped]:
     """Listen to /tf_static; return a function that looks up the transform from a frame to a body.
 
-    Raises `DependencyError` where tf2_ros is not installed.
+    That one raises `LookupError`, with tf2's reason, while there is none.  Raises
+    `DependencyError` where tf2_ros is not installed.
     """
     try:
         from tf2_msgs.msg import TFMessage
@@ -114,11 +125,11 @@ def static_transforms(node: Node, body: str) -> Callable[[str], TransformStamped
     latched = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
     node.create_subscription(TFMessage, '/tf_static', take, latched)
 
-    def look_up(frame_id: str) -> TransformStamped | None:
+    def look_up(frame_id: str) -> TransformStamped:
         try:
             return buffer.lookup_transform(body, frame_id, Time())
-        except TransformException:
-            return None
+        except TransformException as error:
+            raise LookupError(f'tf2: {str(error).strip(" .")}') from error
 
     return look_up
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from itertools import product
+from math import inf
 
 from rclpy.node import Node
 from rclpy.qos import QoSCompatibility, qos_check_compatible
@@ -12,15 +13,18 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from dead_reckoning.core.errors import (
     ClockError,
-    DeadReckoningError,
     MismatchError,
     SeveralPublishersError,
     SilentInputError,
 )
+from dead_reckoning.nodes.diagnostics import Finding
+
+NAMELESS = '_NODE_NAME_UNKNOWN_'
+"""What rcl calls the node of an endpoint that it has discovered before the node."""
 
 
 class Input:
-    """One subscribed topic, and how many messages came on it."""
+    """One subscribed topic, and what came on it."""
 
     def __init__(self, name: str, topic: str, source: str, needed: bool) -> None:
         """``name`` as subscribed, ``topic`` in full; ``source``: who publishes it, in words.
@@ -33,14 +37,21 @@ class Input:
         self.needed = needed
         self.count = 0
         """Messages so far."""
-        self._seen = 0
-        self._since = 0.0
+        self._latest = inf
+        self._gap = 0.0
 
-    def silent_for(self, now: float) -> float:
-        """Return how long [s] no message has come; it must be asked again and again."""
-        if self.count != self._seen or not self._since:
-            self._seen, self._since = self.count, now
-        return now - self._since
+    def arrive(self) -> None:
+        """Count a message."""
+        now = time.monotonic()
+        self._gap, self._latest = now - self._latest, now
+        self.count += 1
+
+    def silence(self) -> float:
+        """Return how long [s] no message has come: since the last, or before it if longer.
+
+        So one message does not end a silence: a topic that is too slow would come and go.
+        """
+        return max(self._gap, time.monotonic() - self._latest)
 
 
 class TopicWatch:
@@ -77,33 +88,26 @@ class TopicWatch:
             if each.needed and not each.count
         )
 
-    def findings(self) -> Iterator[DeadReckoningError]:
+    def findings(self) -> Iterator[Finding]:
         """Yield what is wrong now."""
         yield from self._mismatches()
         yield from self._crowded()
         yield from self._silent()
 
-    def _silent(self) -> Iterator[SilentInputError]:
+    def _silent(self) -> Iterator[Finding]:
         now = time.monotonic()
         others = ' and '.join(each.topic for each in self._inputs if each.count)
         if not others:
             self._begun = now  # nothing has come yet, so nothing lacks beside it
-        lacking = [
-            each
-            for each in self._inputs
-            if each.source
-            and each.silent_for(now) > self._timeout
-            and (each.count or (each.needed and now - self._begun > self._timeout))
-        ]
-        said = [
-            f'no message on {each.topic} for {each.silent_for(now):.0f} s: '
-            f'{self._source_of(each)}; if it is that slow, raise common.input_timeout'
-            if each.count
-            else f'{others} came, but nothing on {each.topic} so far: {self._source_of(each)}'
-            for each in lacking
-        ]
-        if said:
-            yield SilentInputError('; '.join(said))
+        for each in self._inputs:
+            if each.source and each.silence() > self._timeout:
+                said = f'no message on {each.topic} for {each.silence():.0f} s'
+                more = '; if it is that slow, raise common.input_timeout'
+            elif each.needed and not each.count and now - self._begun > self._timeout:
+                said, more = f'{others} came, but nothing on {each.topic} so far', ''
+            else:
+                continue
+            yield each.topic, SilentInputError(f'{said}: {self._source_of(each)}{more}')
 
     def _source_of(self, each: Input) -> str:
         found = self._node.get_publishers_info_by_topic(each.name)
@@ -117,16 +121,17 @@ class TopicWatch:
             'what it says on /diagnostics'
         )
 
-    def _crowded(self) -> Iterator[SeveralPublishersError]:
+    def _crowded(self) -> Iterator[Finding]:
         for each in self._inputs:
             found = self._node.get_publishers_info_by_topic(each.name)
             if len(found) > 1:
-                yield SeveralPublishersError(
+                error = SeveralPublishersError(
                     f'{each.topic} has {len(found)} publishers, {_names(found)}: their samples '
                     'mix; end all but one, or remap them'
                 )
+                yield each.topic, error
 
-    def _mismatches(self) -> Iterator[MismatchError]:
+    def _mismatches(self) -> Iterator[Finding]:
         for name in (*(each.name for each in self._inputs), *self._outputs):
             publishers = self._node.get_publishers_info_by_topic(name)
             subscriptions = self._node.get_subscriptions_info_by_topic(name)
@@ -134,13 +139,16 @@ class TopicWatch:
             for publisher, subscription in product(publishers, subscriptions):
                 if self._is_ours(publisher) == self._is_ours(subscription):
                     continue
+                if NAMELESS in (publisher.node_name, subscription.node_name):
+                    continue
                 why = _difference(publisher, subscription)
                 if why:
-                    yield MismatchError(
-                        f'{topic}: nothing passes from {_names([publisher])} to '
-                        f'{_names([subscription])}: {why}; let both agree (of this node: '
+                    ends = f'from {_names([publisher])} to {_names([subscription])}'
+                    error = MismatchError(
+                        f'{topic}: nothing passes {ends}: {why}; let both agree (of this node: '
                         f'qos_overrides.{topic})'
                     )
+                    yield f'{topic} {ends}', error
 
     def _is_ours(self, end: TopicEndpointInfo) -> bool:
         node = self._node
@@ -157,7 +165,7 @@ class ClockWatch:
         self._now_ns = -1
         self._since = 0.0
 
-    def findings(self) -> Iterator[ClockError]:
+    def findings(self) -> Iterator[Finding]:
         """Yield what is wrong now; it must be asked again and again."""
         clock = self._node.get_clock()
         if not getattr(clock, 'ros_time_is_active', False):
@@ -169,15 +177,16 @@ class ClockWatch:
         if standing <= self._timeout:
             return
         if now_ns == 0:
-            yield ClockError(
+            said = (
                 'use_sim_time is true, and no /clock came: play the bag with --clock, start the '
                 'simulator, or set use_sim_time to false'
             )
         else:
-            yield ClockError(
+            said = (
                 f'/clock has stood at {now_ns * 1e-9:.3f} s for {standing:.0f} s: let the bag or '
                 'the simulator go on'
             )
+        yield '/clock', ClockError(said)
 
 
 def _names(ends: Sequence[TopicEndpointInfo]) -> str:

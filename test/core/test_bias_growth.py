@@ -73,6 +73,17 @@ def test_white_noise_is_that_of_samples_held_for_a_step(count):
     np.testing.assert_allclose(velocity, 0.09 * count * DT**2 * np.eye(3), atol=1e-15)
 
 
+def test_wrong_gravity_lifts_however_the_body_turns():
+    growth = BiasGrowth(0.0)
+    for step in range(1000):
+        rot_ws = matrix_from_quaternion(quaternion_from_euler(0.01 * step, 0.0, 0.0))
+        growth.step(DT, rot_ws, LEVEL, UNKNOWN, UNKNOWN, gravity_variance=0.02**2)
+    position, velocity = deviations(growth)
+    assert position[2] == pytest.approx(0.5 * 0.02 * 100.0, rel=1e-4)
+    assert velocity[2] == pytest.approx(0.02 * 10.0, rel=1e-4)
+    assert position[:2] == pytest.approx([math.sqrt(FLOOR)] * 2)
+
+
 def test_offset_averages_out_where_the_body_turns():
     """Half the time upside down, and the offset along x has pushed back as far as forth."""
     forth = matrix_from_quaternion(IDENTITY_QUATERNION)

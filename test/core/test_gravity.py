@@ -1,6 +1,8 @@
 """Gravity is taken off, and the covariance says how well."""
 
 import math
+from contextlib import suppress
+from dataclasses import replace
 from math import radians
 
 import numpy as np
@@ -27,6 +29,7 @@ from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import (
+    isotropic,
     matrix_from_quaternion,
     quaternion_from_euler,
     rotate,
@@ -224,6 +227,36 @@ def test_covariance_agrees_with_numpy(seed):
     spread = cross(rot_ws @ force)
     expected = rot_ws @ array(noise) @ rot_ws.T + spread @ array(tilt) @ spread.T
     np.testing.assert_allclose(array(given_back.acceleration.covariance), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize('attitude', ['rest', 'estimate', 'message'])
+def test_rest_that_trembles_is_known_less_well(attitude):
+    """What the levelling leaves of tremor lasts, and is as large as is published."""
+    random = np.random.default_rng(3)
+    exact = {'attitude_deviation': 0.0, 'noise_deviation': 0.0}
+    euler = (0.1, -0.2, 0.0)
+    heights, tilts, vertical, level = [], [], [], []
+    for _ in range(200):
+        removal = gravity_removal(exact, attitude=attitude, rest_deviation=1.0)
+        for step, shake in enumerate(random.normal(0.0, 0.2, (51, 3))):
+            sample = turning(step, (0.0, 0.0, 0.0), isotropic(1e-9))
+            force = tuple(shake + force_at(euler))
+            orientation = quaternion_from_euler(*euler) if attitude == 'message' else None
+            with suppress(NotLevelledError):
+                made = removal.update(
+                    replace(sample, specific_force=force, orientation=orientation)
+                )
+        off = matrix_from_quaternion(made.imu.orientation)
+        heights.append(removal.gravity - GRAVITY)
+        tilts.append(rotate(off, force_at(euler))[0] / GRAVITY)
+        spread = cross(rotate(off, force)) @ array(made.imu.orientation_covariance)
+        tilted = (spread @ cross(rotate(off, force)).T)[2, 2]
+        vertical.append(made.acceleration.covariance[8] - tilted)
+        level.append(made.imu.orientation_covariance[4])
+    assert np.sqrt(np.mean(np.square(heights)) / np.mean(vertical)) == pytest.approx(1.0, abs=0.15)
+    if attitude != 'message':
+        ratio = np.sqrt(np.mean(np.square(tilts)) / np.mean(level))
+        assert ratio == pytest.approx(1.0, abs=0.15)
 
 
 @pytest.mark.parametrize('seed', range(3))

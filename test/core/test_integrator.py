@@ -530,10 +530,18 @@ def test_reset_returns_to_the_origin():
 
 # Errors ---------------------------------------------------------------------------------------
 
+
+def doubtful(now, variance):
+    acceleration, imu = pair(now, ZERO)
+    return dataclasses.replace(acceleration, covariance=(*UNKNOWN[:8], variance)), imu
+
+
 BAD = [
     (lambda now: pair(now, (NAN, 0.0, 0.0)), NotFiniteError),
     (lambda now: pair(now, (0.0, INF, 0.0)), NotFiniteError),
     (lambda now: pair(now, (0.0, INF, -INF)), NotFiniteError),
+    (lambda now: doubtful(now, NAN), NotFiniteError),
+    (lambda now: doubtful(now, INF), NotFiniteError),
     (lambda now: pair(now, ZERO, (NAN, 0.0, 0.0, 1.0)), NotFiniteError),
     (lambda now: pair(now, ZERO, (0.0, 0.0, 0.0, 0.0)), NotFiniteError),
     (lambda now: pair(now, ZERO, noise=(NAN,) * 9), NotFiniteError),
@@ -584,6 +592,41 @@ def test_noise_that_the_imu_does_not_say_is_the_one_that_is_set(noise):
     for step in range(101):
         state = estimator.update(*pair(START_NS + step * STEP_NS, ZERO, noise=noise))
     assert state.velocity_covariance[0] == pytest.approx(100 * (0.1 * DT) ** 2, rel=1e-3)
+
+
+@pytest.mark.parametrize('method', [*METHODS, 'kalman'])
+@pytest.mark.parametrize('axes', [('x', 'y', 'z'), ('z',)])
+def test_what_noise_and_attitude_do_not_explain_is_gravity(method, axes):
+    """It lasts, so it grows as ½·σ·t², and only upwards."""
+    estimator = bare(method=method, axes=axes, offset_deviation=0.0, scale_deviation=0.0)
+    quaternion = quaternion_from_euler(0.0, 0.1, 0.5)
+    rot_ws = np.reshape(matrix_from_quaternion(quaternion), (3, 3))
+    attitude, noise = np.diag([1e-12, 1e-12, 1e-12]), np.diag([0.01, 0.02, 0.03])
+    covariance = rot_ws @ noise @ rot_ws.T + np.diag([0.0, 0.0, 0.03**2])
+    for step in range(501):
+        acceleration, imu = pair(
+            START_NS + step * STEP_NS, ZERO, quaternion, tuple(noise.ravel()),
+            tuple(attitude.ravel()),
+        )  # fmt: skip
+        acceleration = dataclasses.replace(acceleration, covariance=tuple(covariance.ravel()))
+        state = estimator.update(acceleration, imu)
+    variances = np.array(state.position_covariance[::4])
+    along = np.cos(0.1) if axes == ('z',) else 1.0  # what of gravity the axis sees, and climbs
+    white = 0.03 * DT * 5.0**3 / 3.0
+    assert variances[2] == pytest.approx((0.5 * 0.03 * along**2 * 25.0) ** 2 + white, rel=0.05)
+    assert (variances[:2] < 1.1 * white).all()
+
+
+def test_acceleration_of_another_device_says_nothing_of_gravity():
+    acceleration, imu = pair(START_NS, ZERO, noise=(-1.0, *UNKNOWN[1:]))
+    estimator = bare()
+    for step in range(101):
+        now = START_NS + step * STEP_NS
+        state = estimator.update(
+            dataclasses.replace(acceleration, stamp_ns=now, covariance=(0.04,) * 9),
+            dataclasses.replace(imu, stamp_ns=now),
+        )
+    assert math.sqrt(state.position_covariance[8]) < 0.01
 
 
 # Calibration ----------------------------------------------------------------------------------

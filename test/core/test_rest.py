@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from dead_reckoning.core.errors import GravityError, MountingError, NotAtRestError
-from dead_reckoning.core.rest import GRAVITY, RestWindow, check_gravity, check_up_axis
+from dead_reckoning.core.rest import (
+    GRAVITY,
+    RestWindow,
+    check_gravity,
+    check_up_axis,
+    level_variances,
+)
+from dead_reckoning.core.samples import UNKNOWN
 
 STEP_NS = 10_000_000
 
@@ -46,6 +53,71 @@ def test_few_samples_are_no_rest_however_long_they_last():
     still = [(0.0, 0.0, GRAVITY)] * 10
     rest, taken = fill(RestWindow(0.5, 0.1), still, step_ns=10**9)
     assert taken == rest.count == 5
+
+
+def independent(random, count):
+    return random.normal(0.0, 0.1, count)
+
+
+def alike(random, count, memory=0.8):
+    """Return noise that resembles that of the samples before, for about ten of them."""
+    value, values = 0.0, []
+    for shake in random.normal(0.0, 0.1, count + 50):
+        value = memory * value + shake
+        values.append(value)
+    return np.array(values[50:])
+
+
+def tremor(random, count, waves=5):
+    """Return what a hand does: waves between 6 and 12 Hz."""
+    rates, phases = random.uniform(6.0, 12.0, waves), random.uniform(0.0, 2.0 * np.pi, waves)
+    time = 0.01 * np.arange(count)[:, np.newaxis]
+    return 0.1 * np.sin(2.0 * np.pi * rates * time + phases).sum(axis=1)
+
+
+@pytest.mark.parametrize(
+    ('process', 'low', 'high'),
+    [(independent, 0.9, 1.1), (alike, 0.9, 1.3), (tremor, 0.55, 1.0)],
+)
+@pytest.mark.parametrize('count', [51, 201])
+def test_mean_errs_as_its_covariance_says(process, low, high, count):
+    """Noise at most as correlated as a window is long; other directions see other noise."""
+    random = np.random.default_rng(4)
+    turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    means, covariances = [], []
+    for _ in range(400):
+        noise = np.transpose([scale * process(random, count) for scale in (1.0, 2.0, 0.5)])
+        vectors = noise @ turn.T + [1.0, -2.0, 9.8]
+        window = RestWindow(0.01 * (count - 1), 100.0)
+        rest, _ = fill(window, [tuple(v) for v in vectors.tolist()])
+        means.append(turn.T @ np.subtract(rest.mean, [1.0, -2.0, 9.8]))
+        covariances.append(turn.T @ np.reshape(rest.mean_covariance, (3, 3)) @ turn)
+    claimed = np.mean(covariances, axis=0)
+    ratios = np.sqrt(np.mean(np.square(means), axis=0) / np.diag(claimed))
+    assert (ratios > low).all()
+    assert (ratios < high).all()
+    across = claimed - np.diag(np.diag(claimed))
+    assert np.abs(across).max() < 0.15 * claimed.max()
+
+
+def test_quiet_rest_leaves_no_doubt():
+    rest, _ = fill(RestWindow(0.5, 0.1), [(0.1, 0.2, GRAVITY)] * 51)
+    assert rest.mean == (0.1, 0.2, GRAVITY)
+    assert rest.mean_covariance == UNKNOWN
+
+
+def test_gravity_is_known_along_the_force_and_tilt_across():
+    random = np.random.default_rng(5)
+    up = np.array([0.6, 0.0, 0.8])
+    levels = []
+    for _ in range(300):
+        along, across = random.normal(0.0, 0.2, 51), random.normal(0.0, 0.02, (51, 3))
+        vectors = (GRAVITY + along)[:, np.newaxis] * up + across
+        rest, _ = fill(RestWindow(0.5, 1.0), [tuple(v) for v in vectors.tolist()])
+        levels.append(level_variances(rest))
+    gravity, tilt = np.sqrt(np.mean(levels, axis=0))
+    assert gravity == pytest.approx(0.2 / np.sqrt(51), rel=0.1)
+    assert tilt == pytest.approx(0.02 / np.sqrt(51) / GRAVITY, rel=0.1)
 
 
 @pytest.mark.parametrize('axis', [0, 1, 2])

@@ -1,5 +1,8 @@
 """What each estimator takes and gives in a chain."""
 
+from dataclasses import astuple
+
+import numpy as np
 import pytest
 
 from dead_reckoning.core.chain import FAULT, NOTICE, Chain
@@ -280,6 +283,32 @@ def test_restart_and_gap_of_the_integrator_are_said_once():
         assert ODOMETRY in names(outputs)
         faults += [(step, type(value)) for name, value in outputs if name == FAULT]
     assert faults == [(600, GapError), (1, RestartError)]
+
+
+def test_over_topics_the_same_comes_out_as_in_one_chain():
+    removal = GravityRemoval(GravitySettings(), CommonSettings(), FrameSettings())
+    whole = Chain(
+        [
+            gravity_stage(removal),
+            integrator_stage(Integrator(IntegratorSettings(), CommonSettings())),
+        ]
+    )
+    first, second = gravity_chain(), integrator_chain()
+    random = np.random.default_rng(1)
+    for step, shake in enumerate(random.normal(0.0, 0.2, (200, 3))):
+        sample = imu(step, tuple(np.add(shake, [0.3, -0.2, GRAVITY]).tolist()))
+        wanted = [value for name, value in whole.push(RAW, sample) if name == ODOMETRY]
+        came = [
+            value
+            for topic, message in topics(first.push(RAW, sample))
+            if topic in (IMU, ACCELERATION)
+            for name, value in second.push(topic, message)
+            if name == ODOMETRY
+        ]
+        assert [astuple(state) for state in came] == [astuple(state) for state in wanted]
+    deviation = np.sqrt(came[0].position_covariance[::4])
+    alone = 0.5 * IntegratorSettings().offset_deviation * 1.49**2
+    assert deviation[2] > 1.5 * alone, 'the levelling of a rest that trembles shows'
 
 
 def test_both_in_one_chain_need_nothing_between_them():

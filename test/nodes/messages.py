@@ -2,6 +2,7 @@
 
 import numpy as np
 from geometry_msgs.msg import AccelWithCovarianceStamped
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 
 from dead_reckoning.core.rotation import matrix_from_quaternion, normalized
@@ -87,6 +88,13 @@ def realistic_samples(seed=3, rate=200.0):
             case 280:
                 yield message  # twice
         yield message
+
+
+def clock_message(now_ns):
+    """Return what /clock says at a time."""
+    message = Clock()
+    message.clock.sec, message.clock.nanosec = divmod(now_ns, NANOSECONDS)
+    return message
 
 
 class Feed:

@@ -10,7 +10,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Mapping
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -229,11 +228,15 @@ class Ros:
         """Record /diagnostics from now on."""
         return DiagnosticsRecording(self)
 
-    def ask(self, service_type: Any, name: str, request: Any) -> Any:
-        """Send a request and return the future of its response."""
+    def client(self, service_type: Any, name: str) -> Any:
+        """Return a client that has found its service."""
         client = self.node.create_client(service_type, name)
         self.until(client.service_is_ready, f'service {name}')
-        return client.call_async(request)
+        return client
+
+    def ask(self, service_type: Any, name: str, request: Any) -> Any:
+        """Send a request and return the future of its response."""
+        return self.client(service_type, name).call_async(request)
 
     def call(self, service_type: Any, name: str, request: Any) -> Any:
         """Send a request and return the response."""
@@ -273,18 +276,15 @@ def _messages(changes: Mapping[str, Any]) -> list[ParameterMessage]:
 
 
 class Recording:
-    """What came on a topic, and when by the clock on the wall [s]."""
+    """What came on a topic."""
 
     def __init__(self, ros: Ros, topic: str, message: Any, qos: QoSProfile, raw: bool) -> None:
         self.topic = topic
         self.messages: list[Any] = []
-        self.arrivals: list[float] = []
         self._ros = ros
-        self._subscription = ros.node.create_subscription(message, topic, self._take, qos, raw=raw)
-
-    def _take(self, message: Any) -> None:
-        self.messages.append(message)
-        self.arrivals.append(time.monotonic())
+        self._subscription = ros.node.create_subscription(
+            message, topic, self.messages.append, qos, raw=raw
+        )
 
     def __len__(self) -> int:
         return len(self.messages)
@@ -315,11 +315,6 @@ class Recording:
     def wait_next(self) -> Any:
         """Wait for another message and return it."""
         return self.wait(len(self) + 1)[-1]
-
-    def largest_gap(self, start: float, end: float) -> float:
-        """Return the longest time [s] between arrivals, from ``start`` to ``end``."""
-        times = [start, *(t for t in self.arrivals if start < t < end), end]
-        return max(b - a for a, b in pairwise(times))
 
     def stop(self) -> None:
         """Unsubscribe."""

@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 import pytest
-from messages import NANOSECONDS
+from messages import NANOSECONDS, clock_message
 from nav_msgs.msg import Odometry
 from ros_harness import EXECUTORS, figures, lossless
 from rosgraph_msgs.msg import Clock
@@ -34,29 +34,25 @@ class Driver:
         self.raw = ros.record('imu/data_raw', Imu).connected()
         self.truth = ros.record('ground_truth/odom', Odometry).connected()
         self._clock = ros.publisher('/clock', Clock)
+        ros.get('accelerometer_driver', 'use_sim_time')  # now it hears the clock from its start
 
     def run(self, start, end):
         """Let the clock go from one time [s] to another, and wait for the driver to follow."""
         now_ns, end_ns = round(start * NANOSECONDS), round(end * NANOSECONDS)
         while now_ns < end_ns:
-            self._tell(now_ns)
+            self._clock.publish(clock_message(now_ns))
             self._ros.for_seconds(0.002)
             now_ns += STEP_NS
 
         def caught_up():
-            self._tell(end_ns)  # nodes listen to /clock best-effort, and so may miss any
+            # Nodes listen to /clock best-effort, and so may miss any.
+            self._clock.publish(clock_message(end_ns))
             return end_ns - PER_MESSAGE_NS < self.raw.latest_stamp <= end_ns
 
         self._ros.until(caught_up, 'the driver to catch up')
 
-    def _tell(self, now_ns):
-        message = Clock()
-        message.clock.sec, message.clock.nanosec = divmod(now_ns, NANOSECONDS)
-        self._clock.publish(message)
-
 
 def test_driver_waits_for_the_clock_and_follows_it(ros, driver):
-    ros.get('accelerometer_driver', 'use_sim_time')
     ros.for_seconds(0.5)
     assert not driver.raw.messages, 'there is no time yet'
     driver.run(100.0, 102.0)

@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from messages import NANOSECONDS, clock_message
 from nav_msgs.msg import Odometry
 from ros_harness import EXECUTORS, NodeProcess, figures
 from rosgraph_msgs.msg import Clock
@@ -106,6 +107,7 @@ def test_an_unplugged_board_is_said_once_and_read_on_when_it_is_back(ros, board)
         shown = figures(state(ros, 'reading', OK))
         assert int(shown['LostPortError']) == time_
         assert node.stderr.count('the port is gone') == time_
+        assert node.stderr.count(f'{board.port}: LostPortError is over') == time_
     ros.diagnostics().until(DRIVER, lambda s: figures(s)['reconnections'] == '2', 'two returns')
     assert all(b > a for a, b in pairwise(raw.stamps))
     assert 'Traceback' not in node.stderr
@@ -172,6 +174,7 @@ def test_nothing_but_garbage_is_a_port_without_readings(ros, board):
     wire.line = LEVEL
     state(ros, 'reading', OK)
     assert node.stderr.count('no reading has come') == 1
+    assert node.stderr.count('SilentPortError is over') == 1
 
 
 def test_a_board_that_falls_silent_is_said_and_comes_back(ros, board):
@@ -249,13 +252,8 @@ def test_under_simulated_time_readings_wait_for_a_clock_and_take_its_time(ros, b
     assert '/clock' in said.message
     assert not raw.messages
     clock = ros.publisher('/clock', Clock)
-    now = Clock()
-    now.clock.sec = 1000
-
-    def tell():
-        clock.publish(now)
-
-    ros.node.create_timer(0.05, tell)
+    now = clock_message(1000 * NANOSECONDS)
+    ros.node.create_timer(0.05, lambda: clock.publish(now))
     raw.wait(20)  # the clock stands, and stamps rise all the same
     assert all(b > a for a, b in pairwise(raw.stamps))
     assert 999.9e9 < raw.stamps[0] < raw.latest_stamp < 1000.1e9

@@ -1,26 +1,38 @@
 """Services answer when the work is done, with the reason when it failed, and starve nothing."""
 
 import re
-import time
 
 import numpy as np
 import pytest
 from geometry_msgs.msg import AccelWithCovarianceStamped
-from messages import GRAVITY, Feed, acceleration_message, imu_message
+from messages import (
+    GRAVITY,
+    NANOSECONDS,
+    START_NS,
+    Feed,
+    acceleration_message,
+    clock_message,
+    imu_message,
+)
 from nav_msgs.msg import Odometry
 from ros_harness import EXECUTORS, Ros, lossless
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 from std_srvs.srv import Trigger
 
 DURATION = 1.5
-"""How long [s] a calibration or levelling takes here."""
+"""How many seconds of samples a calibration or levelling takes here."""
+STEP = 1 / 64
+"""Time [s] from one tick of /clock to the next: four samples."""
+SLACK = 2 * STEP
+PERIOD_NS = NANOSECONDS // 256
 OFFSET = [0.3, -0.2, 0.4]
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 
 
 @pytest.fixture(params=EXECUTORS)
 def busy(request, ros):
-    """The three nodes at 256 Hz, nothing lost, on an uncalibrated sensor at rest."""
+    """The three nodes, nothing lost, on an uncalibrated sensor at rest with 256 Hz."""
     parameters = {
         **lossless('/imu/data_raw', '/imu/data', '/imu/linear_acceleration', '/odom'),
         'common.executor': request.param,
@@ -33,84 +45,108 @@ def busy(request, ros):
         'integrator.calibration_duration': DURATION,
         'integrator.movement_end': 'off',
     }
-    for name in ('integrator', 'gravity_removal', 'accelerometer_driver'):
+    for name in ('integrator', 'gravity_removal'):
         ros.start(name, parameters)
+    ros.start('accelerometer_driver', {**parameters, 'use_sim_time': True})
     return Busy(ros)
 
 
 class Busy:
-    """Calls services while the nodes work, and watches that the work goes on meanwhile."""
+    """Calls services while samples come, which they do as /clock goes on, and that as is asked."""
 
     def __init__(self, ros):
         self._ros = ros
-        self.raw = ros.record('imu/data_raw', Imu)
-        self.odom = ros.record('odom', Odometry)
-        self.odom.wait(10)
+        self._raw = ros.record('imu/data_raw', Imu)
+        self._odom = ros.record('odom', Odometry)
+        self._clock = ros.publisher('/clock', Clock)
+        self._now_ns = START_NS
 
-    def trigger(self, name, duration):
-        """Call a service that takes ``duration`` [s] of samples; return its answer."""
-        future = self._ros.ask(Trigger, name, Trigger.Request())
-        start = time.monotonic()
-        self._ros.until(future.done, f'the answer of {name}')
-        end = time.monotonic()
-        answer = future.result()
-        if duration:
-            # By stamps it takes the whole duration; a node that lags behind has them faster.
-            assert end - start > 0.3 * duration, 'it answers when the work is done'
-            assert self.odom.largest_gap(start, end) < 0.5 * duration
-        stamps = np.diff(self.odom.stamps)
-        assert (stamps == stamps[0]).all(), 'no sample was left out'
-        return answer
+        def flows():
+            if not self._raw or self._is_measured():
+                self._tick()
+            return self._odom
+
+        ros.until(flows, 'odom')
+
+    def run(self, duration):
+        """Let a time [s] go by, and all that is measured in it pass the nodes."""
+        for _ in range(round(duration / STEP)):
+            self._tick()
+            self._ros.until(self._has_passed, 'odom of the last sample')
+
+    def _tick(self):
+        self._now_ns += round(STEP * NANOSECONDS)
+        self._clock.publish(clock_message(self._now_ns))
+
+    def _is_measured(self):
+        self._clock.publish(clock_message(self._now_ns))  # a node may miss any
+        return self._now_ns - self._raw.latest_stamp < PERIOD_NS
+
+    def _has_passed(self):
+        return self._is_measured() and self._odom.latest_stamp == self._raw.latest_stamp
+
+    def trigger(self, name):
+        """Call a service that takes `DURATION` of samples, not less and not more.
+
+        A request ends the one before it, unless that has its answer already.  While the clock
+        stands, this shows when a request was taken, and that it was not done too early.
+        """
+        client = self._ros.client(Trigger, name)
+
+        def superseded(answer):
+            self._ros.until(answer.done, f'the answer of {name}')
+            return 'asked for again' in answer.result().message
+
+        first, second = [client.call_async(Trigger.Request()) for _ in range(2)]
+        assert superseded(first)
+        self.run(DURATION - SLACK)
+        third = client.call_async(Trigger.Request())
+        assert superseded(second), 'it answers when the work is done'
+        self.run(DURATION + SLACK)
+        self._ros.until(third.done, f'the answer of {name}')
+        assert set(np.diff(self._odom.stamps)) == {PERIOD_NS}, 'no sample was left out'
+        return third.result()
 
     def distance(self):
         """Return how far from the origin [m] the last odometry is."""
-        point = self.odom.messages[-1].pose.pose.position
+        point = self._odom.messages[-1].pose.pose.position
         return np.linalg.norm([point.x, point.y, point.z])
 
-    def wait_for_origin(self):
-        """Wait until the odometry is back at the origin; some may still be on their way."""
-        self._ros.until(lambda: self.distance() < 0.01, 'the origin')
-
-    def wait_for_force(self, force, tolerance):
-        """Wait until the specific force is as expected; older ones may still be on their way."""
-
-        def found():
-            recent = [message.linear_acceleration for message in self.raw.messages[-40:]]
-            if len(recent) < 40:
-                return False
-            mean = np.mean([[f.x, f.y, f.z] for f in recent], axis=0)
-            return mean == pytest.approx(force, abs=tolerance)
-
-        self._ros.until(found, f'a specific force of {force}')
+    def force(self):
+        """Return the specific force [m/s²] of the next quarter of a second."""
+        self.run(0.25)
+        recent = [message.linear_acceleration for message in self._raw.messages[-64:]]
+        return np.mean([[f.x, f.y, f.z] for f in recent], axis=0)
 
 
-def test_calibration_levelling_and_reset_work_and_starve_nothing(busy):
+def test_calibration_levelling_and_reset_work_and_starve_nothing(ros, busy):
     """In the order in which a user would: sensor, attitude, integrator, origin."""
-    busy.wait_for_force([OFFSET[0], OFFSET[1], GRAVITY + OFFSET[2]], 0.1)
+    assert busy.force() == pytest.approx([OFFSET[0], OFFSET[1], GRAVITY + OFFSET[2]], abs=0.1)
 
-    answer = busy.trigger('accelerometer_driver/calibrate', DURATION)
+    answer = busy.trigger('accelerometer_driver/calibrate')
     assert answer.success, answer.message
     offsets = re.findall(r'[+-]0\.\d+', answer.message)
     assert [float(offset) * GRAVITY for offset in offsets] == pytest.approx(OFFSET, abs=0.1)
     assert answer.message.startswith('offset of x, y, z: ')
     assert 'level again' in answer.message
-    busy.wait_for_force([0.0, 0.0, GRAVITY], 0.02)
+    assert busy.force() == pytest.approx([0.0, 0.0, GRAVITY], abs=0.02)
 
-    answer = busy.trigger('gravity_removal/level', DURATION)
+    answer = busy.trigger('gravity_removal/level')
     assert answer.success, answer.message
     assert 'gravity is 9.8' in answer.message
     assert 'roll' in answer.message
     assert 'pitch' in answer.message
 
-    answer = busy.trigger('integrator/calibrate', DURATION)
+    answer = busy.trigger('integrator/calibrate')
     assert answer.success, answer.message
     assert answer.message.startswith('offset along x, y, z: ')
 
     assert busy.distance() > 0.05, 'it drifted on the old attitude'
-    answer = busy.trigger('integrator/reset', 0.0)
+    answer = ros.trigger('integrator/reset')
     assert answer.success
     assert answer.message == 'position and velocity are zero'
-    busy.wait_for_origin()
+    busy.run(STEP)
+    assert busy.distance() < 0.01
 
 
 @pytest.fixture(params=EXECUTORS)

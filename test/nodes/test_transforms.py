@@ -10,7 +10,7 @@ from nav_msgs.msg import Odometry
 from ros_harness import LATCHED, NodeProcess
 from sensor_msgs.msg import Imu
 
-from dead_reckoning.core.errors import MissingMountingError
+from dead_reckoning.core.errors import MissingMountingError, NotFiniteError
 from dead_reckoning.nodes.transforms import MountingsFromTransforms, mounting_from
 
 HAS_TF = find_spec('tf2_ros') is not None
@@ -97,12 +97,15 @@ def test_a_transform_is_asked_for_until_it_is_there_and_then_no_more():
 
     def look_up(frame_id):
         asked.append(frame_id)
-        return known.get(frame_id)
+        if frame_id not in known:
+            raise LookupError('tf2: two trees')
+        return known[frame_id]
 
     mountings = MountingsFromTransforms('base_link', look_up, said.append)
     for _ in range(2):
         with pytest.raises(
-            MissingMountingError, match="how 'imu_link' sits on 'base_link': start"
+            MissingMountingError,
+            match=r"how 'imu_link' sits on 'base_link' \(tf2: two trees\): start",
         ):
             mountings('imu_link')
     known['imu_link'] = transform_to_body()
@@ -113,6 +116,20 @@ def test_a_transform_is_asked_for_until_it_is_there_and_then_no_more():
         mountings('other_link')
     assert asked == ['imu_link'] * 3 + ['other_link']
     assert said == ['imu_link sits on base_link at (0.1, -0.2, 0.3) m, as TF says']
+
+
+@pytest.mark.parametrize('place', [math.inf, math.nan, -1e7])
+def test_a_lever_arm_that_is_none_is_refused_until_it_is_mended(place):
+    known = {'imu_link': transform_to_body()}
+    said = []
+    mountings = MountingsFromTransforms('base_link', known.__getitem__, said.append)
+    known['imu_link'].transform.translation.y = place
+    for _ in range(2):
+        with pytest.raises(NotFiniteError, match=r'lever arm of imu_link is .* on /tf_static'):
+            mountings('imu_link')
+    assert said == []
+    known['imu_link'] = transform_to_body()
+    assert mountings('imu_link').translation == LEVER_ARM
 
 
 UPSIDE_DOWN = (1.0, 0.0, 0.0, 0.0)
@@ -151,6 +168,24 @@ def test_an_upside_down_sensor_is_level_by_tf(ros, executor):
     static.publish(TFMessage(transforms=[transform_to_body()]))
     stands_level(ros, feed)
     assert node.stderr.count('waiting on /tf_static') == 1
+    assert '(tf2: ' in node.stderr
+
+
+@pytest.mark.skipif(not HAS_TF, reason='tf2_ros comes with ROS 2, not with its wheels on PyPI')
+def test_a_mounting_that_is_there_already_is_taken_without_a_warning(ros):
+    from tf2_ros import StaticTransformBroadcaster
+
+    broadcaster = StaticTransformBroadcaster(ros.node)
+    mount = transform_to_body('mount')
+    sensor = transform_to_body()
+    sensor.header.frame_id = 'mount'
+    fill(sensor.transform.translation, 'xyz', (0.0, 0.0, 0.1))
+    fill(sensor.transform.rotation, 'xyzw', (0.0, 0.0, 0.0, 1.0))
+    broadcaster.sendTransform([mount, sensor])
+    node = ros.start('pipeline', {'frames.mounting': 'tf'})
+    stands_level(ros)
+    assert 'imu_link sits on base_link at (0.1, -0.2, 0.2) m, as TF says' in node.stderr
+    assert 'waiting' not in node.stderr
 
 
 def stands_level(ros, feed=None):

@@ -1,9 +1,19 @@
 """What does not come is said on /diagnostics as long as it lacks, with the remedy."""
 
+from itertools import count
+
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import AccelWithCovarianceStamped
-from messages import GRAVITY, NANOSECONDS, Feed, acceleration_message, imu_message
+from messages import (
+    GRAVITY,
+    NANOSECONDS,
+    START_NS,
+    Feed,
+    acceleration_message,
+    clock_message,
+    imu_message,
+)
 from nav_msgs.msg import Odometry
 from rclpy.duration import Duration
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
@@ -28,6 +38,11 @@ def names(status, kind, *words):
 
 def well(status):
     return status.level == DiagnosticStatus.OK
+
+
+def lines(node, word=''):
+    """Return the lines of a node's log that hold a word."""
+    return [line for line in node.stderr.splitlines() if word in line]
 
 
 class Said:
@@ -63,15 +78,37 @@ def imu_feed(ros, topic):
     ],
 )
 def test_an_imu_that_stops_is_a_warning_until_it_is_back(ros, name, parameters, topic):
-    ros.start(name, {**QUICK, **parameters})
+    node = ros.start(name, {**QUICK, **parameters})
     said = Said(ros, name)
     feed = imu_feed(ros, topic)
     said.until(lambda s: well(s) and s.message == 'running', 'running', feed.send)
     words = (f'no message on /{topic} for ', ' s: its publisher /test is silent', 'paused bag')
     said.until(lambda s: names(s, 'SilentInputError', *words), 'silence')
     again = said.until(lambda s: names(s, 'SilentInputError', *words), 'silence that lasts')
-    assert int(figures(again)['SilentInputError']) > 1
+    assert figures(again)['SilentInputError'] == '1', 'counted once'
     said.until(well, 'well again', feed.send)
+    begun, ended = lines(node, topic)
+    assert '[WARN]' in begun
+    assert f'/{topic}: SilentInputError is over' in ended
+
+
+def test_a_topic_that_is_too_slow_is_said_once(ros):
+    """A single message does not end a silence, or each would begin another."""
+    node = ros.start('gravity_removal', {'common.input_timeout': 0.5})
+    said = Said(ros, 'gravity_removal')
+    feed = imu_feed(ros, 'imu/data_raw')
+    said.until(lambda s: well(s) and s.message == 'running', 'running', feed.send)
+    words = ('no message on', 'raise common.input_timeout')
+    begun = said.until(lambda s: names(s, 'SilentInputError', *words), 'silence')
+    log = lines(node)
+    for _ in range(3):
+        feed.send()
+        for _ in range(2):  # so that the next message comes more than a second later
+            status = said.until(lambda _: True, 'anything')
+            assert names(status, 'SilentInputError', *words)
+    assert figures(status)['SilentInputError'] == figures(begun)['SilentInputError']
+    assert lines(node) == log
+    said.until(well, 'well', feed.send)
 
 
 def test_an_imu_whose_driver_is_gone_is_told_apart(ros):
@@ -85,7 +122,7 @@ def test_an_imu_whose_driver_is_gone_is_told_apart(ros):
     )
     assert 'start the driver of the sensor' in status.message
     assert status.level == DiagnosticStatus.WARN
-    (line,) = [line for line in node.stderr.splitlines() if 'no message on' in line]
+    (line,) = lines(node, 'no message on')
     assert '[WARN]' in line
 
 
@@ -123,7 +160,8 @@ def test_a_compass_need_not_come_but_may_not_stop(ros):
     said.until(well, 'well without a compass', feed.send)
     compass = imu_feed(ros, 'compass/data')
     compass.stamp_ns = feed.stamp_ns
-    compass.send()
+    imus = (feed.stamp_ns - START_NS) // feed.step_ns
+    said.until(lambda s: int(figures(s)['samples']) > imus, 'the compass is heard', compass.send)
     said.until(
         lambda s: names(s, 'SilentInputError', 'no message on /compass/data', 'input_timeout'),
         'silence of the compass',
@@ -145,9 +183,10 @@ def test_a_publisher_that_can_not_be_heard_is_said_once_with_the_policy(ros):
     assert 'best effort publisher and reliable subscription' in status.message
     assert 'qos_overrides./imu/data_raw' in status.message
     said.until(lambda s: names(s, 'MismatchError'), 'mismatch that lasts')
-    assert len(node.stderr.splitlines()) == 1, 'said once'
+    assert len(lines(node)) == 1, 'said once'
     ros.node.destroy_publisher(publisher)
     said.until(well, 'well again')
+    assert 'to /gravity_removal: MismatchError is over' in lines(node)[1]
 
 
 @pytest.mark.parametrize(
@@ -197,14 +236,10 @@ def test_a_clock_that_lacks_or_stands_is_said(ros):
     status = said.until(lambda s: names(s, 'ClockError', 'no /clock came'), 'no clock')
     assert 'play the bag with --clock' in status.message
     clock = ros.publisher('/clock', Clock)
-    message = Clock()
-    message.clock.sec = 100
+    times = count(100 * NANOSECONDS, 5_000_000)
 
     def tick():
-        message.clock.nanosec += 5_000_000
-        message.clock.sec += message.clock.nanosec // NANOSECONDS
-        message.clock.nanosec %= NANOSECONDS
-        clock.publish(message)
+        clock.publish(clock_message(next(times)))
 
     said.until(lambda s: well(s) and s.message == 'running', 'running', tick)
     said.until(lambda s: names(s, 'ClockError', '/clock has stood at 10'), 'a clock that stands')

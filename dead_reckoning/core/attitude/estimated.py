@@ -9,6 +9,7 @@ from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.errors import MissingRateError
 from dead_reckoning.core.gravity_settings import GravitySettings
+from dead_reckoning.core.rest import level_variances
 from dead_reckoning.core.rest_search import Stillness
 from dead_reckoning.core.rotation import (
     composed,
@@ -98,7 +99,8 @@ class EstimatedAttitude:
         self._set(quaternion_from_euler(roll, pitch, yaw))
         self._gravity = sqrt(sum(f * f for f in still.force.mean))
         self._force = (0.0, 0.0, self._gravity)
-        self._motion = self._lost = self._yaw_bias = 0.0
+        self._motion = level_variances(still.force)[1] * self._gravity**2
+        self._lost = self._yaw_bias = 0.0
         self._turned = (0.0, 0.0, self._turned[2])
         if first:
             self._yaw_variance = self._level_variance

@@ -27,6 +27,7 @@ class Reading:
                               zero along those that do not move.
     ``kept_s``                what the discrimination window leaves of it.
     ``attitude_covariance``   shape (3, 3) [rad²], world.
+    ``gravity_variance``      of the magnitude of gravity that was taken off [m²/s⁴].
     ``noise``                 covariance of the specific force of one sample, shape (3, 3)
                               [m²/s⁴], frame of the sensor.
     """
@@ -36,6 +37,7 @@ class Reading:
     accel_s: Vector
     kept_s: Vector
     attitude_covariance: Matrix
+    gravity_variance: float
     noise: Matrix
 
 

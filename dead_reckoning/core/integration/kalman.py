@@ -37,11 +37,12 @@ GATE = 9.0
 class Kalman:
     """Estimate position, velocity, and the errors of attitude and offset that bend them.
 
-    The state is (p, c, θ, b): true position and velocity in the world; the error θ of the attitude
-    about the axes of the world; the offset b along those of the sensor.  The bias of the
-    acceleration is ``J · (θ, b)``, as in `BiasGrowth`.  The measured acceleration, past the
-    window, is the control input; rests that the movement-end check finds are measurements of the
-    velocity.  While the body rests the position is held.  With one axis c is the speed along it.
+    The state is (p, c, θ, γ, b): true position and velocity in the world; the errors θ of the
+    attitude about the axes of the world and γ of the magnitude of gravity; the offset b along the
+    axes of the sensor.  The bias of the acceleration is ``J · (θ, γ, b)``, as in `BiasGrowth`.
+    The measured acceleration, past the window, is the control input; rests that the movement-end
+    check finds are measurements of the velocity.  While the body rests the position is held.
+    With one axis c is the speed along it.
 
     An attitude that becomes worse known adds to the variance of θ; one that becomes better known
     is taken for another attitude: what was learnt about it fades.  Derived in docs/integrator.md,
@@ -54,12 +55,12 @@ class Kalman:
         self._axis = moves.index(True) if sum(moves) == 1 else None
         self._mask: Array | None = None if all(moves) else np.diag(np.array(moves, dtype=float))
         m = 3 if self._axis is None else 1
-        self._p, self._c, self._e = slice(0, 3), slice(3, 3 + m), slice(3 + m, 9 + m)
-        self._theta = slice(3 + m, 6 + m)
-        self._transition: Array = np.eye(9 + m)
-        self._entry: Array = np.zeros((9 + m, m))  # of the acceleration
-        self._process: Array = np.zeros((9 + m, 9 + m))
-        self._jacobian: Array = np.zeros((m, 6))
+        self._p, self._c, self._e = slice(0, 3), slice(3, 3 + m), slice(3 + m, 10 + m)
+        self._theta, self._given = slice(3 + m, 6 + m), slice(3 + m, 7 + m)
+        self._transition: Array = np.eye(10 + m)
+        self._entry: Array = np.zeros((10 + m, m))  # of the acceleration
+        self._process: Array = np.zeros((10 + m, 10 + m))
+        self._jacobian: Array = np.zeros((m, 7))
         self._filter: Any = None
 
     @property
@@ -80,10 +81,11 @@ class Kalman:
         self._filter = KalmanFilter(dim_x=size, dim_z=m)
         self._filter.x = np.zeros(size)
         self._filter.P = np.zeros((size, size))
-        theta, e = self._theta, self._e
-        self._filter.P[e, e] = self._settings.offset_deviation**2 * np.eye(6)
-        self._filter.P[theta, theta] = np.reshape(reading.attitude_covariance, (3, 3))
-        self._covariance = reading.attitude_covariance
+        self._variances = _variances(reading)
+        self._filter.P[self._e, self._e] = self._settings.offset_deviation**2 * np.eye(7)
+        self._filter.P[self._given, self._given] = np.diag(self._variances)
+        attitude = np.reshape(reading.attitude_covariance, (3, 3))
+        self._filter.P[self._theta, self._theta] = attitude
         self._moving = 0.0
         self._swing: Array = np.zeros((3, 3))
         self._arrive(reading)
@@ -182,14 +184,15 @@ class Kalman:
         process[:] = entry @ acceleration @ entry.T
         size = len(process)
         process.flat[(size - 3) * (size + 1) :: size + 1] += self._settings.bias_walk**2 * dt
-        if reading.attitude_covariance != self._covariance:
-            old, new = np.array(self._covariance[::4]), np.array(reading.attitude_covariance[::4])
+        variances = _variances(reading)
+        if variances != self._variances:
+            old, new = np.array(self._variances), np.array(variances)
             kept = np.minimum(1.0, new / np.maximum(old, FLOOR**2))
-            f[self._theta, self._theta] = np.diag(kept)
-            process[self._theta, self._theta] += np.diag(new - kept**2 * old)
-            self._covariance = reading.attitude_covariance
+            f[self._given, self._given] = np.diag(kept)
+            process[self._given, self._given] += np.diag(new - kept**2 * old)
+            self._variances = variances
         else:
-            f[self._theta, self._theta] = np.eye(3)
+            f[self._given, self._given] = np.eye(4)
 
     def _noise(self, reading: Reading) -> Array:
         rotation = np.reshape(reading.rot_ws, (3, 3))
@@ -227,6 +230,11 @@ class Kalman:
         kf.dim_z = count  # filterpy 1 checks z against it
         kf.update(np.zeros(count), noise, seen)
         self._moving = 0.0
+
+
+def _variances(reading: Reading) -> tuple[float, ...]:
+    """Return how well a reading knows attitude [rad²], shape (3,), and gravity [m²/s⁴]."""
+    return (*reading.attitude_covariance[::4], reading.gravity_variance)
 
 
 def _symmetric(matrix: Array) -> Matrix:

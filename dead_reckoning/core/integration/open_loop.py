@@ -68,6 +68,7 @@ class OpenLoop(ABC):
             reading.attitude_covariance,
             reading.noise,
             self.velocity,
+            reading.gravity_variance,
         )
         self._arrive(reading, accel_w)
 
