@@ -65,7 +65,8 @@ def digits(values: NDArray[np.float64]) -> list[str]:
     written = list(map(repr, values[new].tolist()))
     if len(new) == len(bits):
         return written
-    return np.array(written, dtype=object).repeat(np.diff(new, append=len(bits))).tolist()
+    repeated = np.array(written, dtype=object).repeat(np.diff(new, append=len(bits)))
+    return list(repeated)
 
 
 def lines(columns: Iterable[Sequence[str]], separator: str = ',') -> str:

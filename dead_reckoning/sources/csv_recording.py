@@ -78,7 +78,9 @@ class CsvRecording:
         self._stamps = self._stamps_of(stamp, rate or 0.0)
 
     def __len__(self) -> int:
-        """Return the number of rows."""
+        """Return how many samples the rows make, if all can be used."""
+        if COUNTS[0] in self._measured:
+            return len(self._stamps) // self._parts[DriverSettings].samples_per_message
         return len(self._stamps)
 
     def blocks(self) -> Iterator[ImuBlock | Stamped]:

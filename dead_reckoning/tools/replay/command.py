@@ -54,11 +54,12 @@ def main(arguments: argparse.Namespace) -> int:
         configuration = Configuration.load(arguments.config)
     except SettingsError as error:
         raise InputError(f'--config {error}') from error
-    alone = arguments.jobs == 1 and arguments.scheduler is None
+    at_once = min(arguments.jobs, len(arguments.inputs))
+    alone = at_once == 1 and arguments.scheduler is None
     wanted = arguments.outputs
     jobs = [
         Job(
-            path=path,
+            path=path.absolute(),
             folder=folder.absolute(),
             configuration=configuration,
             wanted=None if wanted is None else tuple(wanted.split(',')),
@@ -71,15 +72,15 @@ def main(arguments: argparse.Namespace) -> int:
         )
     ]
     with (
-        executor(arguments.jobs, arguments.scheduler) as pool,
+        executor(at_once, arguments.scheduler) as pool,
         Progress('recordings', len(jobs), not alone) as progress,
     ):
         outcomes = run_all(jobs, pool, progress)
     if len(outcomes) == 1 and isinstance(outcomes[0], DeadReckoningError):
-        (error,) = outcomes
-        if isinstance(error, (RecordingError, SettingsError)):
-            raise InputError(str(error)) from error
-        raise error
+        only = outcomes[0]
+        if isinstance(only, (RecordingError, SettingsError)):
+            raise InputError(str(only)) from only
+        raise only
     print(table(arguments.inputs, outcomes))
     for path, outcome in zip(arguments.inputs, outcomes, strict=True):
         for said in faults(outcome):

@@ -61,7 +61,8 @@ def run(job: Job) -> Result:
     pipeline = Pipeline(job.configuration, blocks=True)
     chosen = _chosen(job.wanted, pipeline)
     files = [name for output in chosen for name in output.FILES]
-    if job.path.resolve() in {(job.folder / name).resolve() for name in files}:
+    source, folder = job.path.resolve(), job.folder.resolve()
+    if any(folder / name in (source, *source.parents) for name in files):
         raise InputError(f'{job.path}: this would be replaced by what comes of it')
     recording = open_recording(job.path, pipeline.inputs, job.configuration, job.imu, job.rate)
     task = Task(job.path.name, job.configuration, pipeline, recording, Summary(pipeline))

@@ -279,6 +279,8 @@ def test_a_recording_is_not_replaced_by_what_comes_of_it(tmp_path):
     run(job(write_table(tmp_path / 'walk.csv', walk()), folder, ('bag',)))
     with pytest.raises(InputError, match='would be replaced'):
         run(job(folder / 'bag', folder, ('bag',)))
+    with pytest.raises(InputError, match='would be replaced'):
+        run(job(folder / 'bag/bag.mcap', folder, ('bag',)))
 
 
 def test_a_message_that_is_none_costs_that_message(tmp_path):
