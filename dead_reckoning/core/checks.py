@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import isfinite
 
 from dead_reckoning.core.errors import MissingAccelerationError, NotFiniteError
@@ -20,10 +21,11 @@ CORRELATION = 1.01
 def require_vector(vector: Vector, name: str, remedy: str = 'check the driver') -> None:
     """Raise `NotFiniteError` for a vector, shape (3,), that nothing can have measured."""
     x, y, z = vector
-    if not (abs(x) <= LARGEST and abs(y) <= LARGEST and abs(z) <= LARGEST):  # NaN too
-        raise NotFiniteError(f'the {name} is {vector}: {remedy}')
+    if not (-LARGEST <= x <= LARGEST and -LARGEST <= y <= LARGEST and -LARGEST <= z <= LARGEST):
+        raise NotFiniteError(f'the {name} is {vector}: {remedy}')  # NaN too
 
 
+@lru_cache(maxsize=64)  # drivers send the same one with each sample
 def require_covariance(covariance: Matrix, name: str) -> None:
     """Raise `NotFiniteError` for what is no covariance, shape (3, 3): one would stay for good.
 
