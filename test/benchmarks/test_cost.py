@@ -9,11 +9,17 @@ import pytest
 
 from benchmarks.cost import LEAN, LostError, Session, session
 
+ONCE = """
+import sys
+for number, _ in enumerate(sys.stdin):
+    print([] if number else {}, flush=True)
+"""
+
 
 def answering(text):
-    """Return a process that answers any line with a text."""
+    """Return a process that answers its first line with a text, others with an empty list."""
     return subprocess.Popen(
-        [sys.executable, '-c', f'import sys\nfor _ in sys.stdin: print({text!r}, flush=True)'],
+        [sys.executable, '-c', ONCE.format(repr(text))],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
