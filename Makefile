@@ -23,7 +23,7 @@ ifeq ($(HOME),)
 export HOME := $(CURDIR)/$(venv)
 endif
 
-.PHONY: help venv demo test lint accuracy config clean
+.PHONY: help venv demo test lint accuracy bench config clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1\t\2/p' Makefile
@@ -45,6 +45,12 @@ lint: $(ready_to_test)  ## ruff and mypy
 accuracy: $(if $(DATA),$(ready))  ## measure on real recordings: DATA=folder
 	$(if $(DATA),,$(error name the folder of the recordings: make accuracy DATA=folder))
 	@$(python) -m benchmarks.accuracy '$(DATA)'
+
+# The parts that there are: live nodes, replays, each estimator.
+benches := $(wildcard $(patsubst %,benchmarks/%.py,cost replay_speed estimators))
+bench: $(ready)  ## what all costs: CPU, rates, latency, memory, replays; ARGS=--quick for a glance
+	@status=0; for bench in $(basename $(notdir $(benches))); do \
+	  ($(python) -m benchmarks.$$bench $(ARGS)) || status=1; done; exit $$status
 
 config: $(ready)  ## write config/*.yaml and the parameter reference from the declarations
 	@$(python) -m dead_reckoning.tools.generate

@@ -30,9 +30,9 @@ PERIOD = 10.0
 """Swings for one half of it [s], rests for the other."""
 
 
-def sample(stamp_ns: int, elapsed: float) -> ImuSample:
-    """Return the sample at a time: 2 Hz to and fro, as a walk shakes, then rest."""
-    swinging = elapsed % PERIOD > 0.5 * PERIOD
+def sample(stamp_ns: int, elapsed: float, period: float = PERIOD) -> ImuSample:
+    """Return the sample at a time: rest, then 2 Hz to and fro, as a walk shakes."""
+    swinging = elapsed % period > 0.5 * period
     swing = sin(4.0 * pi * elapsed) if swinging else 0.0
     return ImuSample(
         stamp_ns,

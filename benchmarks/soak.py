@@ -14,7 +14,7 @@ import re
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -97,22 +97,27 @@ def growth(times: NDArray[np.float64], values: NDArray[np.float64]) -> float:
 
 
 @contextmanager
-def feeder(rate: float, listeners: int) -> Iterator[subprocess.Popen[str]]:
-    """Run the feeder as a process of its own; it ends with the context."""
-    command = [sys.executable, '-m', 'benchmarks.feeder', str(rate), str(listeners)]
+def spawned(
+    module: str, *arguments: str, variables: Mapping[str, str] | None = None
+) -> Iterator[subprocess.Popen[str]]:
+    """Run a module as a process of its own, with more environment; it ends with the context."""
     with subprocess.Popen(
-        command,
+        [sys.executable, '-m', module, *arguments],
         cwd=ROOT,
-        env={**os.environ, **environment()},
+        env={**os.environ, **environment(), **(variables or {})},
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
-        start_new_session=True,  # Ctrl-C is for this process, which ends the feeder
+        start_new_session=True,  # Ctrl-C is for this process, which ends them
     ) as process:
         try:
             yield process
         finally:
-            process.kill()
+            process.terminate()
+            try:
+                process.wait(5.0)
+            except subprocess.TimeoutExpired:
+                process.kill()
 
 
 def soak(shape: str, minutes: float, warm_up: float, rate: float) -> list[str]:
@@ -121,7 +126,7 @@ def soak(shape: str, minutes: float, warm_up: float, rate: float) -> list[str]:
     with (
         interruptible() as interruption,
         Nodes(environment()) as nodes,
-        feeder(rate, LISTENERS[shape]) as feed,
+        spawned('benchmarks.feeder', str(rate), str(LISTENERS[shape])) as feed,
     ):
         for name, parameters in SHAPES[shape].items():
             nodes.start(name, {**SETTINGS, **parameters})

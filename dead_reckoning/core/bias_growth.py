@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dead_reckoning.core.acceleration_error import write_jacobian
 from dead_reckoning.core.samples import ZERO, Matrix, Vector
@@ -102,7 +103,12 @@ class BiasGrowth:
         ``velocity_variance`` [m²/s²] is added to each axis of the velocity.
         """
         covariance = self._sensitivity @ self._sigma @ self._sensitivity.T
-        position, velocity = covariance[:3, :3], covariance[3:, 3:]
-        position.flat[::4] += self._pp + FLOOR
-        velocity.flat[::4] += self._vv + FLOOR + velocity_variance
-        return tuple(position.ravel().tolist()), tuple(velocity.ravel().tolist())
+        return (
+            _sum(covariance[:3, :3], self._pp + FLOOR),
+            _sum(covariance[3:, 3:], self._vv + FLOOR + velocity_variance),
+        )
+
+
+def _sum(covariance: NDArray[np.float64], variance: float) -> Matrix:
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = covariance.tolist()
+    return (xx + variance, xy, xz, yx, yy + variance, yz, zx, zy, zz + variance)

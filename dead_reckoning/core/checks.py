@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import isfinite
 
 from dead_reckoning.core.errors import MissingAccelerationError, NotFiniteError
@@ -26,9 +27,11 @@ def require_vector(vector: Vector, name: str, remedy: str = 'check the driver') 
 def is_measurable(vector: Vector) -> bool:
     """Say whether something can have measured a vector, shape (3,)."""
     x, y, z = vector
-    return abs(x) <= LARGEST and abs(y) <= LARGEST and abs(z) <= LARGEST  # NaN is not
+    low, high = -LARGEST, LARGEST
+    return low <= x <= high and low <= y <= high and low <= z <= high  # NaN is not
 
 
+@lru_cache(maxsize=64)  # drivers send the same one with each sample
 def require_covariance(covariance: Matrix, name: str) -> None:
     """Raise `NotFiniteError` for what is no covariance, shape (3, 3): one would stay for good.
 

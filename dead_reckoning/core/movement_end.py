@@ -55,9 +55,14 @@ class MovementEnd:
         return self._quiet[axis] >= settings.movement_end_samples
 
     def _change(self, accel_s: Vector, sign: float) -> None:
-        for axis, value in enumerate(accel_s):
-            self._sum[axis] += sign * value
-            self._squares[axis] += sign * value * value
+        x, y, z = accel_s
+        total, squares = self._sum, self._squares
+        total[0] += sign * x
+        total[1] += sign * y
+        total[2] += sign * z
+        squares[0] += sign * x * x
+        squares[1] += sign * y * y
+        squares[2] += sign * z * z
 
     def _sum_anew(self) -> None:
         """Lose what rounding has left in the sums, which a large value makes large."""

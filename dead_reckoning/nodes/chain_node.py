@@ -14,6 +14,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.service import Service
+from rclpy.task import Future as RosFuture
 from std_srvs.srv import SetBool, Trigger
 
 from dead_reckoning.configuration import COMMON
@@ -53,8 +54,8 @@ class ChainNode(Node):
         self.common = self.configuration[CommonSettings]
         self.frames = self.configuration[FrameSettings]
         self._topics = topics(self.frames)
-        self.finished = False
-        """Whether the node has done what it was asked for and wants to end."""
+        self.finished: RosFuture = RosFuture()
+        """Done once the node has done what it was asked for and wants to end."""
         self._chain = Chain([])
         self._writers: dict[str, Callable[[Any], None]] = {}
         self._figures: list[Callable[[], Mapping[str, object]]] = []
@@ -146,7 +147,7 @@ class ChainNode(Node):
 
     def finish(self) -> None:
         """Ask to end: what this node was started for is done."""
-        self.finished = True
+        self.finished.set_result(None)
 
     def count_subscribers_of(self, name: str) -> int:
         """Return how many subscribers a topic has, by its name in the design."""

@@ -19,8 +19,11 @@ if TYPE_CHECKING:
 
     from dead_reckoning.nodes.chain_node import ChainNode
 
-SPIN_TIMEOUT = 0.1
-"""How long [s] one turn may wait, and so the longest that a signal waits to be heard."""
+STOP_PERIOD = 0.1
+"""How often [s] a node looks whether a signal came, and so the longest that one waits."""
+
+TURN = 86_400.0
+"""How long [s] the executor runs at a time; the events executor hears nothing without any."""
 
 
 def run(name: str) -> int:
@@ -62,12 +65,15 @@ def run(name: str) -> int:
 
 
 def _spin(node: ChainNode, stop: _StopRequest) -> None:
+    from dead_reckoning.nodes.chain_node import STEADY
+
     executor = _executor(node.common.executor)
     executor.add_node(node)
+    node.create_timer(STOP_PERIOD, lambda: node.finish() if stop.asked else None, clock=STEADY)
     try:
-        while not (stop.asked or node.finished):
-            # The events executor's own spin() hears neither signals nor a shutdown.
-            executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+        # In one go: a loop over spin_once takes a sixth of what handing on a message takes.
+        while not node.finished.done():
+            executor.spin_until_future_complete(node.finished, timeout_sec=TURN)
     finally:
         # Before the context ends: an executor that is collected after it complains.
         executor.shutdown()
