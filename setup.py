@@ -24,7 +24,16 @@ setup(
     packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
     python_requires='>=3.10',
     # ROS itself is no pip requirement: it comes from the sourced installation.
-    install_requires=['filterpy', 'matplotlib', 'numpy', 'pyserial', 'PyYAML', 'rosbags', 'scipy'],
+    install_requires=[
+        'filterpy',
+        'matplotlib',
+        'numba',
+        'numpy',
+        'pyserial',
+        'PyYAML',
+        'rosbags',
+        'scipy',
+    ],
     extras_require={'test': ['hypothesis', 'pytest']},
     zip_safe=True,
     data_files=[

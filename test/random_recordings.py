@@ -112,6 +112,7 @@ def in_blocks(values, name, samples, cuts):
     for begin, end in zip([0, *cuts], [*cuts, len(samples)], strict=True):
         for output, value in chain.push(name, ImuBlock.of(samples[begin:end])):
             if isinstance(value, Stamped):
+                assert type(value.value) not in BLOCKS  # those come in blocks
                 pairs = [(value.stamp_ns, value.value)]
             else:
                 pairs = [(None, value.sample(k)) for k in range(len(value))]

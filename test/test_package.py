@@ -18,6 +18,7 @@ IMPORTED_BY = {
     'python3-filterpy-pip': 'filterpy',
     'python3-hypothesis': 'hypothesis',
     'python3-matplotlib': 'matplotlib',
+    'python3-numba': 'numba',
     'python3-numpy': 'numpy',
     'python3-scipy': 'scipy',
     'python3-pytest': 'pytest',

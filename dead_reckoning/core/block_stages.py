@@ -18,13 +18,13 @@ from dead_reckoning.core.chain import FAULT, Output, Stage
 from dead_reckoning.core.errors import DeadReckoningError
 from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.integrator import Integrator
+from dead_reckoning.core.kernels import accelerated
 from dead_reckoning.core.mounting import Mountings, unmounted
 from dead_reckoning.core.pedometer import Pedometer
 from dead_reckoning.core.stages import (
     LEVELLED,
     ODOMETRY,
     STATIONARY,
-    TOTALS,
     StepOutputs,
     gravity_input,
     gravity_stage,
@@ -42,7 +42,7 @@ def blockwise(stage: Stage, runs: Mapping[str, Run] | None = None) -> Stage:
     do many samples at once where they can.
     """
     runs = runs or {}
-    return {name: partial(_take, take, runs.get(name, _no_run)) for name, take in stage.items()}
+    return {name: partial(_take, take, runs.get(name)) for name, take in stage.items()}
 
 
 def gravity_block_stage(removal: GravityRemoval, mountings: Mountings = unmounted) -> Stage:
@@ -77,7 +77,7 @@ def pedometer_block_stage(
     says = StepOutputs(pedometer, odometry)
     run = pedometer_run(pedometer, odometry, says, mountings)
     stage = pedometer_stage(pedometer, odometry, mountings, says)
-    return {**blockwise(stage, {pedometer.settings.input: run}), TOTALS: stage[TOTALS]}
+    return blockwise(stage, {pedometer.settings.input: run})
 
 
 def _changes(states: StateBlock, said: bool | None) -> list[Output]:
@@ -88,11 +88,7 @@ def _changes(states: StateBlock, said: bool | None) -> list[Output]:
     return [(STATIONARY, Stamped(int(states.stamp_ns[at]), bool(rests[at]))) for at in changed]
 
 
-def _no_run(block: Any, begin: int) -> tuple[int, list[Output]]:
-    return NOTHING
-
-
-def _take(take: Callable[[Any], Iterable[Output]], run: Run, block: Any) -> list[Output]:
+def _take(take: Callable[[Any], Iterable[Output]], run: Run | None, block: Any) -> list[Output]:
     made: dict[str, list[Any]] = {}
     outputs: list[Output] = []
 
@@ -105,9 +101,10 @@ def _take(take: Callable[[Any], Iterable[Output]], run: Run, block: Any) -> list
             else:
                 outputs.append((name, Stamped(stamp_ns, value)))
 
+    fast = run if run is not None and accelerated() else None
     index = 0
     while index < len(block):
-        count, given = run(block, index)
+        count, given = NOTHING if fast is None else fast(block, index)
         collect(given, 0)
         index += count
         if index < len(block):

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 from dead_reckoning.core.chain import Output
 
 Run: TypeAlias = Callable[[Any, int], tuple[int, list[Output]]]
-"""Does samples of a block from one on; returns how many, possibly none, and what came out of them,
-in blocks or `Stamped`."""
+"""Does samples of a block from one on; returns how many, possibly none, and what came out of them:
+samples, blocks of them, or else `Stamped`."""
 
 NOTHING: tuple[int, list[Output]] = (0, [])

@@ -15,7 +15,7 @@ from dead_reckoning.core.kernels.headings import HeadingColumns, find_headings
 from dead_reckoning.core.kernels.resampler import Cells, resample
 from dead_reckoning.core.mounting import Mountings, is_turned
 from dead_reckoning.core.pedometer import Pedometer
-from dead_reckoning.core.samples import NANOSECONDS
+from dead_reckoning.core.samples import NANOSECONDS, NavigationState
 from dead_reckoning.core.stages import StepOutputs
 from dead_reckoning.core.step_odometry import StepOdometry
 
@@ -77,9 +77,9 @@ def pedometer_run(
             states = pedometer.advance(cell_ns, magnitude)
             if states:
                 headings.take(begin + by - waiting)
-                outputs += [
-                    (name, Stamped(int(stamps[by]), value)) for name, value in says.of(states)
-                ]
+                for name, value in says.of(states):
+                    walked = isinstance(value, NavigationState)
+                    outputs.append((name, value if walked else Stamped(int(stamps[by]), value)))
         headings.take(begin + end - waiting - 1)
         return end - waiting, outputs
 

@@ -96,12 +96,12 @@ def test_dense_faults_are_only_slow():
 
 
 def test_the_recordings_hold_movements_rests_and_steps():
-    name, samples = recorded(CHAINS['with a pedometer'], 0)
+    name, samples = recorded(CHAINS['with a pedometer'], 0, odd=0.02)
     stream = streamed(CHAINS['with a pedometer'], name, samples)
     assert len(stream[ODOMETRY]) > 0.5 * len(samples)
     assert len(stream[STATIONARY]) > 4
     assert stream[STEPS][-1][1] > 2
-    assert len({repr(fault) for _, fault in stream['fault']}) >= 5
+    assert len({type(fault) for _, fault in stream['fault']}) > 5
 
 
 @pytest.mark.parametrize('attitude', ['rest', 'message', 'estimate'])
