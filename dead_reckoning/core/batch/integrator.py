@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import deque
+from typing import Any
 
 import numpy as np
 
-from dead_reckoning.core.batch import NOTHING, Run
+from dead_reckoning.core.batch import NOTHING, Run, first
 from dead_reckoning.core.bias_growth import BiasGrowth
 from dead_reckoning.core.blocks import Array, LevelledBlock, StateBlock
 from dead_reckoning.core.chain import Output
@@ -63,8 +64,8 @@ def integrator_run(integrator: Integrator, mountings: Mountings) -> Run:
         integrator._timeline._last_ns = int(block.stamp_ns[end - 1])
         _leave_motion(integrator, way, motion)
         _leave_growth(way._growth, growth)
-        states = StateBlock(block.stamp_ns[begin:], *out).part(0, end - begin)
-        return end - begin, [(ODOMETRY, states)]
+        columns: list[Any] = [first(column, end - begin) for column in out]
+        return end - begin, [(ODOMETRY, StateBlock(block.stamp_ns[begin:end], *columns))]
 
     return run
 
