@@ -38,6 +38,12 @@ class BiasGrowth:
         """Forget all growth: position and velocity are known."""
         self._sensitivity = np.zeros((6, 7))  # rows: position, velocity; columns: θ, γ, b
         self._pp = self._pv = self._vv = 0.0
+        self.forget()
+
+    def forget(self) -> None:
+        """Compute covariances anew, now that something has changed what they come from."""
+        self._known: tuple[float, tuple[Matrix, Matrix]] | None = None
+        self._stopped = False
 
     def step(
         self,
@@ -57,6 +63,7 @@ class BiasGrowth:
         step, which matters only to a body that carries it along (`HeadingGrowth`);
         ``gravity_variance`` [m²/s⁴] that of the magnitude of gravity.
         """
+        self.forget()
         if attitude is not self._attitude_covariance:
             self._attitude_covariance = attitude
             self._sigma[:3, :3] = np.reshape(attitude, (3, 3))
@@ -77,6 +84,7 @@ class BiasGrowth:
         ``speed`` [m/s] is what the body had, ``acceleration`` [m/s²] one sigma of what it may have
         done meanwhile.
         """
+        self.forget()
         self._sensitivity[:3] += dt * self._sensitivity[3:]
         self._coast(dt)
         self._pp += (speed * dt) ** 2 + (0.5 * acceleration * dt * dt) ** 2
@@ -89,11 +97,16 @@ class BiasGrowth:
 
     def stop(self) -> None:
         """Take note that the velocity is known to be zero; what position has gathered stays."""
+        if self._stopped:
+            return  # as at each sample of a rest
+        self.forget()
+        self._stopped = True
         self._sensitivity[3:] = 0.0
         self._pv = self._vv = 0.0
 
     def stop_along(self, axis_w: Vector) -> None:
         """Take note that the velocity along one axis, shape (3,), unit length, world, is zero."""
+        self.forget()
         axis = np.array(axis_w)
         self._sensitivity[3:] -= np.outer(axis, axis @ self._sensitivity[3:])
 
@@ -102,11 +115,12 @@ class BiasGrowth:
 
         ``velocity_variance`` [m²/s²] is added to each axis of the velocity.
         """
-        covariance = self._sensitivity @ self._sigma @ self._sensitivity.T
-        return (
-            _sum(covariance[:3, :3], self._pp + FLOOR),
-            _sum(covariance[3:, 3:], self._vv + FLOOR + velocity_variance),
-        )
+        if self._known is None or self._known[0] != velocity_variance:
+            covariance = self._sensitivity @ self._sigma @ self._sensitivity.T
+            position = _sum(covariance[:3, :3], self._pp + FLOOR)
+            velocity = _sum(covariance[3:, 3:], self._vv + FLOOR + velocity_variance)
+            self._known = (velocity_variance, (position, velocity))
+        return self._known[1]
 
 
 def _sum(covariance: NDArray[np.float64], variance: float) -> Matrix:

@@ -42,13 +42,14 @@ class MovementEnd:
         low, high = settings.window_minimum, settings.window_maximum
         largest = settings.movement_end_deviation**2
         count = len(recent)
-        for axis in range(3):
-            quiet = low <= accel_s[axis] <= high
-            if not quiet:
-                mean = self._sum[axis] / count
-                variance = self._squares[axis] / count - mean * mean
-                quiet = low <= mean <= high and variance <= largest
-            self._quiet[axis] = self._quiet[axis] + 1 if quiet else 0
+        quiet = self._quiet
+        for axis, value in enumerate(accel_s):
+            if low <= value <= high:
+                quiet[axis] += 1
+                continue
+            mean = self._sum[axis] / count
+            rests = low <= mean <= high and self._squares[axis] / count - mean * mean <= largest
+            quiet[axis] = quiet[axis] + 1 if rests else 0
 
     def ended(self, axis: int, settings: IntegratorSettings) -> bool:
         """Say whether the movement along an axis, 0 to 2, has ended."""

@@ -153,3 +153,4 @@ def _leave_growth(growth: BiasGrowth, left: Growth) -> None:
     growth._sigma[:3, :3] = left.attitude.reshape(3, 3)
     growth._sigma[3, 3] = left.gravity_variance[0]
     growth._attitude_covariance = None
+    growth.forget()
