@@ -128,10 +128,13 @@ class InertialNavigator:
         """Whether the body rests, at the last state."""
         self.strides = Strides()
         """From stance to stance, up to the last state."""
-        self._search = RestSearch(self.settings, with_rate=True)
-        self._collected: list[ImuSample] = []
+        self._look_for_rest()
         self._waiting: deque[int] = deque()
         self._state: Array = np.zeros(0)
+
+    def _look_for_rest(self) -> None:
+        self._search = RestSearch(self.settings, with_rate=True)
+        self._collected: list[ImuSample] = []
 
     @property
     def restarts(self) -> int:
@@ -165,12 +168,15 @@ class InertialNavigator:
         step_ns = self._timeline.advance(imu.stamp_ns)
         if self._timeline.restarts != restarts:
             self._start_over()
+        dt = (step_ns or 0) / NANOSECONDS
+        gap = dt > self.settings.max_gap
         if not self.aligned:
+            if gap:
+                self._look_for_rest()
             self._align(imu)
             return []
-        dt = (step_ns or 0) / NANOSECONDS
         states = []
-        if dt > self.settings.max_gap:
+        if gap:
             states = self.flush()
             self._detector.reset()
             self.findings.append(

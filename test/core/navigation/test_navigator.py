@@ -123,6 +123,26 @@ def test_it_does_not_align_while_moving():
     assert at_rest(found, begin=1200)[-1].position == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
 
 
+def test_a_gap_is_no_part_of_the_rest_that_aligns():
+    found = navigator()
+    at_rest(found, 60)
+    at_rest(found, 100, 1060)
+    assert not found.aligned
+    at_rest(found, 1, 1160)
+    assert '200.0 samples a second' in found.aligned
+
+
+def test_numbers_that_just_pass_leave_it_in_order():
+    found = navigator()
+    at_rest(found)
+    at_rest(found, 1, 400, force=(1e6, -1e6, 1e6))
+    states = at_rest(found, 2000, 401)
+    p = found._state[kernel.COVARIANCE : kernel.COVARIANCE + 256].reshape(16, 16)
+    assert (p == p.T).all()
+    assert np.linalg.eigvalsh(p[:15, :15])[0] > 0.0
+    assert np.linalg.norm(states[-1].velocity) < 0.05
+
+
 def test_what_is_no_gravity_is_no_rest():
     found = navigator()
     at_rest(found, force=(0.0, 0.0, 1.0))
@@ -221,6 +241,29 @@ def test_blocks_give_what_the_stream_gives(detector):
         assert found.counts == stream.counts
         assert found.strides.count == stream.strides.count
         assert found.strides.path_length == pytest.approx(stream.strides.path_length, rel=1e-9)
+
+
+def test_covariances_are_those_of_position_velocity_attitude_and_rate():
+    found, kept = navigator(), []
+    found.record = lambda *given: kept.append([np.copy(each) for each in given])
+    streamed(found, WALK.block().part(0, 760))
+    samples, verdicts = (np.concatenate([each[i] for each in kept]) for i in (0, 1))
+    n = len(samples)
+    out, trace = np.zeros((n, kernel.STATE_ROW)), np.zeros((n, kernel.TRACE_ROW))
+    kernel.navigate(
+        samples, verdicts, kept[0][3], kept[0][4], out, trace, np.zeros((0, kernel.LOG_ROW))
+    )
+    k = 680  # on the swing
+    v, p = out[k, 3:6], trace[k, 33:289].reshape(16, 16)
+    assert np.linalg.norm(v) > 0.5
+    jacobian = np.hstack([np.eye(3), np.cross(np.eye(3), v).T])  # δv = ξ + θ × v
+    shape = (3, 3)
+    np.testing.assert_allclose(out[k, 10:19].reshape(shape), p[:3, :3], rtol=1e-12)
+    expected = jacobian @ p[3:9, 3:9] @ jacobian.T
+    np.testing.assert_allclose(out[k, 19:28].reshape(shape), expected, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(out[k, 28:37].reshape(shape), p[6:9, 6:9], rtol=1e-12)
+    noise = 0.005**2 * np.eye(3)  # common.rate_deviation
+    np.testing.assert_allclose(out[k, 40:49].reshape(shape), p[9:12, 9:12] + noise, rtol=1e-12)
 
 
 def test_without_numba_it_gives_the_same():
