@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 from dead_reckoning.core.errors import NotAtRestError
-from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.rest import Rest, RestWindow
 from dead_reckoning.core.samples import ImuSample
 
@@ -18,10 +18,21 @@ class Stillness:
     rate: Rest | None
 
 
+class RestRules(Protocol):
+    """Settings that say how long a rest is [s], and how still [m/s², rad/s]."""
+
+    @property
+    def rest_duration(self) -> float: ...  # noqa: D102
+    @property
+    def rest_deviation(self) -> float: ...  # noqa: D102
+    @property
+    def rest_rate_deviation(self) -> float: ...  # noqa: D102
+
+
 class RestSearch:
     """Fill one window after the other until one shows rest."""
 
-    def __init__(self, settings: GravitySettings, with_rate: bool) -> None:
+    def __init__(self, settings: RestRules, with_rate: bool) -> None:
         self._force = RestWindow(settings.rest_duration, settings.rest_deviation)
         self._rate: RestWindow | None = None
         if with_rate:

@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import argparse
 import time
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
 from dead_reckoning.configuration import Configuration
+from dead_reckoning.core import stationarity
+from dead_reckoning.core.batch.navigator import navigator_run
 from dead_reckoning.core.blocks import ImuBlock
+from dead_reckoning.core.common import CommonSettings
+from dead_reckoning.core.errors import NotLevelledError
 from dead_reckoning.core.kernels import SLOW, accelerated
+from dead_reckoning.core.navigation.settings import NavigatorSettings
+from dead_reckoning.core.navigator import InertialNavigator
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.samples import NANOSECONDS
+from dead_reckoning.core.smoother import Smoother
 
 CHAINS: tuple[dict[str, Any], ...] = (
     {'gravity.attitude': 'rest', 'pipeline.estimators': ['integrator', 'pedometer']},
@@ -44,6 +52,21 @@ def warm_up() -> None:
         pipeline = Pipeline(Configuration(values), blocks=True)
         for name in pipeline.inputs[:1]:
             pipeline.chain.push(name, block)
+    for detector in stationarity.names():
+        navigate(NavigatorSettings(detector=detector), block)
+
+
+def navigate(settings: NavigatorSettings, block: ImuBlock) -> None:
+    """Take the inertial navigator through a block, and smooth it."""
+    navigator = InertialNavigator(settings, CommonSettings())
+    smoother, begin = Smoother(navigator), 0
+    while not navigator.aligned:
+        with suppress(NotLevelledError):
+            navigator.update(block.sample(begin))
+        begin += 1
+    navigator_run(navigator)(block, begin)
+    for _ in smoother.blocks():
+        pass
 
 
 def rest(count: int) -> ImuBlock:

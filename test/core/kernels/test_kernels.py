@@ -130,4 +130,7 @@ def test_warmup_compiles_every_kernel():
         "print(*(f'{f.__module__}.{f.__name__}' for f in made))"
     )
     made = run(code).splitlines()[-1].split()
+    judging = f'{kernels.__name__}.stationarity._judge'  # once for each statistic
+    assert made.count(judging) >= 4
+    made = [name for name in made if name != judging]
     assert sorted(made) == sorted(f'{kernels.__name__}.{name}' for name in kernels_of)

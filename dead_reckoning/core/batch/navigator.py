@@ -1,0 +1,36 @@
+"""Navigate by a block: `InertialNavigator` on columns."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from dead_reckoning.core.batch import NOTHING, Run
+from dead_reckoning.core.blocks import ImuBlock
+from dead_reckoning.core.chain import Output
+from dead_reckoning.core.kernels.columns import imu_columns
+from dead_reckoning.core.kernels.navigator import ROW, regular
+from dead_reckoning.core.navigator import InertialNavigator
+from dead_reckoning.core.stages import ODOMETRY
+
+
+def navigator_run(navigator: InertialNavigator) -> Run:
+    """Return what navigates by a block; left to the stream are alignment, faults and gaps."""
+
+    def run(block: ImuBlock, begin: int) -> tuple[int, list[Output]]:
+        last_ns = navigator._timeline._last_ns
+        if last_ns is None or not navigator.aligned:
+            return NOTHING
+        rows = np.empty((len(block) - begin, ROW))
+        max_gap, variance = navigator.settings.max_gap, navigator._rate_variance
+        count = regular(imu_columns(block), begin, last_ns, max_gap, variance, rows)
+        if not count:
+            return NOTHING
+        stamps = np.asarray(block.stamp_ns[begin : begin + count], np.int64)
+        navigator._timeline._last_ns = int(stamps[-1])
+        states = navigator.take(rows[:count], stamps)
+        outputs: list[Any] = [] if states is None else [(ODOMETRY, states)]
+        return count, outputs
+
+    return run

@@ -1,0 +1,1 @@
+"""What the inertial navigator is made of, beside its kernels; docs/navigation.md derives it."""

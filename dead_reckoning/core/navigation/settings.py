@@ -1,0 +1,241 @@
+"""Settings of the inertial navigator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dead_reckoning.core import stationarity
+from dead_reckoning.core.parameters import Settings, parameter
+
+
+@dataclass(frozen=True, kw_only=True)
+class NavigatorSettings(Settings, prefix='navigator'):
+    """How the inertial navigator aligns, what it believes, and when it holds the body for resting.
+
+    The defaults are those of a sensor on a foot.  docs/navigation.md gives the reason of each, and
+    what half and twice of it cost on recordings.
+    """
+
+    rest_duration: float = parameter(
+        0.5, 'How long the device must rest to be aligned', unit='s', minimum=0.05, maximum=60.0
+    )
+    rest_deviation: float = parameter(
+        0.3,
+        'Largest standard deviation of an axis of the accelerometer that still counts as rest',
+        unit='m/s²',
+        minimum=1e-6,
+        maximum=5.0,
+    )
+    rest_rate_deviation: float = parameter(
+        0.02,
+        'Largest standard deviation of an axis of the gyro that still counts as rest',
+        unit='rad/s',
+        minimum=1e-6,
+        maximum=1.0,
+    )
+    max_gap: float = parameter(
+        0.5,
+        'Longest time between samples that is integrated; over a longer one position and attitude '
+        'are held, the velocity is forgotten, and uncertainty grows',
+        unit='s',
+        minimum=0.001,
+        maximum=60.0,
+    )
+    gap_speed: float = parameter(
+        2.0, 'One sigma of the speed that a gap may hide', unit='m/s', minimum=0.0, maximum=1000.0
+    )
+    force_range: float = parameter(
+        0.0,
+        'Full scale of the accelerometer: a sample that reaches it may hide as much again; 0: '
+        'not known',
+        unit='m/s²',
+        minimum=0.0,
+    )
+    rate_range: float = parameter(
+        0.0,
+        'Full scale of the gyro: a sample that reaches it may hide as much again; 0: not known',
+        unit='rad/s',
+        minimum=0.0,
+    )
+    acceleration_noise: float = parameter(
+        0.12,
+        'Noise of the acceleration: errors of scale, of alignment and of timing over a swing of '
+        '20 to 50 m/s², which are far more than the noise of the sensor',
+        unit='m/s²/√Hz',
+        minimum=1e-6,
+        maximum=100.0,
+    )
+    sampling_noise: float = parameter(
+        0.15,
+        'What a change of the force between two samples may hide, as part of its integral: '
+        'impacts',
+        minimum=0.0,
+        maximum=10.0,
+    )
+    rate_noise: float = parameter(
+        3e-4, 'Noise of the gyro', unit='rad/s/√Hz', minimum=1e-9, maximum=1.0
+    )
+    rate_walk: float = parameter(
+        5e-5,
+        'One sigma by which the bias of the gyro wanders in a second',
+        unit='rad/s/√s',
+        minimum=0.0,
+        maximum=1.0,
+    )
+    acceleration_walk: float = parameter(
+        1e-3,
+        'One sigma by which the bias of the accelerometer wanders in a second',
+        unit='m/s²/√s',
+        minimum=0.0,
+        maximum=10.0,
+    )
+    rate_bias: float = parameter(
+        0.0035,
+        'One sigma of the bias of the gyro when it is switched on, calibrated: 0.2 °/s',
+        unit='rad/s',
+        minimum=0.0,
+        maximum=1.0,
+    )
+    acceleration_bias: float = parameter(
+        0.5,
+        'One sigma of the bias of the accelerometer; at rest it can not be told from a tilt, so '
+        'it is that of the tilt too. 0 leaves the bias out, and the tilt is held for known',
+        unit='m/s²',
+        minimum=0.0,
+        maximum=10.0,
+    )
+    stance_velocity: float = parameter(
+        0.01,
+        'One sigma of the velocity of a foot that stands',
+        unit='m/s',
+        minimum=1e-6,
+        maximum=100.0,
+    )
+    pivot: float = parameter(
+        0.1,
+        'One sigma of where the point lies about which a standing foot turns',
+        unit='m',
+        minimum=0.0,
+        maximum=10.0,
+    )
+    height: float = parameter(
+        0.08,
+        'How high the sensor sits above that point, on the instep',
+        unit='m',
+        minimum=0.0,
+        maximum=10.0,
+    )
+    correlation: float = parameter(
+        0.15,
+        'How long the error of the velocity at rest stays the same: half a stance, so that one '
+        'stance counts as two measurements, whatever the rate of the samples',
+        unit='s',
+        minimum=1e-4,
+        maximum=1000.0,
+    )
+    gate: float = parameter(
+        50.0,
+        'Largest NIS of a velocity at rest, of three degrees of freedom, that is believed; far '
+        'above 3, as it is there for blunders only',
+        minimum=1.0,
+    )
+    patience: float = parameter(
+        0.1,
+        'After so long a rest that is not believed it is believed all the same',
+        unit='s',
+        minimum=0.0,
+        maximum=1000.0,
+    )
+    still_window: float = parameter(
+        0.4,
+        'Over how long the gyro must be still to learn its bias: shorter than the rests of people '
+        'who are about to walk, longer than the middle of a stance',
+        unit='s',
+        minimum=0.05,
+        maximum=60.0,
+    )
+    still_deviation: float = parameter(
+        0.0049,
+        'Largest standard deviation of the rate over that time, beyond what the sensor shows at '
+        'its stillest: 0.28 °/s, between the sway of a resting foot and a stance in a walk',
+        unit='rad/s',
+        minimum=0.0,
+        maximum=1.0,
+    )
+    still_noise: float = parameter(
+        0.0087,
+        "Largest standard deviation that is taken for the sensor's own: 0.5 °/s",
+        unit='rad/s',
+        minimum=0.0,
+        maximum=1.0,
+    )
+    sway: float = parameter(
+        7e-4,
+        'One sigma of the angle of a resting foot: 0.04°',
+        unit='rad',
+        minimum=1e-6,
+        maximum=1.0,
+    )
+    floor: bool = parameter(
+        True, 'Hold stances for being as high as the one before where they nearly are'
+    )
+    floor_deviation: float = parameter(
+        0.01,
+        'One sigma of the height of stances on one floor',
+        unit='m',
+        minimum=1e-4,
+        maximum=1.0,
+    )
+    floor_gate: float = parameter(
+        0.01,
+        'Stances are on one floor if their heights differ by less than this and floor_slope of '
+        'the stride; else a new floor begins',
+        unit='m',
+        minimum=0.0,
+        maximum=10.0,
+    )
+    floor_slope: float = parameter(
+        0.025,
+        'Part of the stride that adds to floor_gate: between the errors of level walking and a '
+        'ramp of 5 %',
+        minimum=0.0,
+        maximum=1.0,
+    )
+    detector: str = parameter(
+        'shoe',
+        'What finds rest: shoe (generalised likelihood ratio), angular_rate (its energy), '
+        'acceleration_variance, magnitude (of the force), movement_end (the count of AN3397) or '
+        'always (a body that is held, and whose velocity is bounded by stance_velocity)',
+        choices=stationarity.names(),
+    )
+    window: float = parameter(
+        0.05, 'Over how long a detector looks', unit='s', minimum=0.0, maximum=10.0
+    )
+    minimum: float = parameter(
+        0.02, 'How long a rest is at least', unit='s', minimum=0.0, maximum=10.0
+    )
+    look_ahead: float = parameter(
+        0.045,
+        'How far a detector may look ahead, and what comes out may be late: half the window and '
+        'the shortest rest. With 0 rests are found later',
+        unit='s',
+        minimum=0.0,
+        maximum=10.0,
+    )
+    hysteresis: float = parameter(
+        1.0, 'So many times the threshold ends a rest', minimum=1.0, maximum=100.0
+    )
+    memory: float = parameter(
+        2.0,
+        'Over how long the threshold follows the gait: the longest stride',
+        unit='s',
+        minimum=0.0,
+        maximum=60.0,
+    )
+    exponent: float = parameter(
+        0.3,
+        'Where the threshold lies between the least (0) and the greatest (1) statistic of the '
+        'gait, in their logarithm',
+        minimum=0.0,
+        maximum=1.0,
+    )

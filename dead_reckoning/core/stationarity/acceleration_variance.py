@@ -1,0 +1,41 @@
+"""Moving variance of the acceleration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+from dead_reckoning.core.kernels.stationarity import Sums, kernel_of
+from dead_reckoning.core.navigation.window_detector import WindowDetector
+from dead_reckoning.core.parameters import Settings, parameter
+
+
+@dataclass(frozen=True, kw_only=True)
+class AccelerationVarianceSettings(Settings, prefix='navigator.acceleration_variance'):
+    """Bounds of the threshold."""
+
+    least: float = parameter(
+        0.3, 'Deviation that a stance has by itself', unit='m/s²', minimum=1e-6, maximum=1000.0
+    )
+    most: float = parameter(
+        8.0, 'The threshold is never above this', unit='m/s²', minimum=1e-6, maximum=1000.0
+    )
+
+
+def statistic(sums: Sums, gravity: float, weight: float) -> float:
+    """Return √(mean|f − f̄|²) [m/s²]."""
+    mean = (sums.x * sums.x + sums.y * sums.y + sums.z * sums.z) / sums.n
+    return sqrt(max(sums.force - mean, 0.0) / sums.n)
+
+
+class AccelerationVariance(WindowDetector):
+    """Judge by the acceleration moving variance, MV, whose square root is the statistic.
+
+    Skog et al. 2010, doi:10.1109/TBME.2010.2060723.  A steady turn or speed looks like rest to it.
+    """
+
+    Settings = AccelerationVarianceSettings
+    JUDGE = staticmethod(kernel_of(statistic))
+
+
+DETECTOR = AccelerationVariance

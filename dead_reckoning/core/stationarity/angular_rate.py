@@ -1,0 +1,41 @@
+"""Energy of the angular rate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+from dead_reckoning.core.kernels.stationarity import Sums, kernel_of
+from dead_reckoning.core.navigation.window_detector import WindowDetector
+from dead_reckoning.core.parameters import Settings, parameter
+
+
+@dataclass(frozen=True, kw_only=True)
+class AngularRateSettings(Settings, prefix='navigator.angular_rate'):
+    """Bounds of the threshold."""
+
+    least: float = parameter(
+        0.15, 'Rate that a stance has by itself, as it rolls', unit='rad/s', minimum=1e-6,
+        maximum=100.0,
+    )  # fmt: skip
+    most: float = parameter(
+        2.0, 'The threshold is never above this', unit='rad/s', minimum=1e-6, maximum=100.0
+    )
+
+
+def statistic(sums: Sums, gravity: float, weight: float) -> float:
+    """Return √(mean|ω|²) [rad/s]."""
+    return sqrt(sums.rate / sums.n)
+
+
+class AngularRate(WindowDetector):
+    """Judge by the angular rate energy, ARE.
+
+    Skog et al. 2010, doi:10.1109/TBME.2010.2060723.
+    """
+
+    Settings = AngularRateSettings
+    JUDGE = staticmethod(kernel_of(statistic))
+
+
+DETECTOR = AngularRate

@@ -1,0 +1,42 @@
+"""Magnitude of the specific force against gravity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+from dead_reckoning.core.kernels.stationarity import Sums, kernel_of
+from dead_reckoning.core.navigation.window_detector import WindowDetector
+from dead_reckoning.core.parameters import Settings, parameter
+
+
+@dataclass(frozen=True, kw_only=True)
+class MagnitudeSettings(Settings, prefix='navigator.magnitude'):
+    """Bounds of the threshold."""
+
+    least: float = parameter(
+        0.3, 'Difference that a stance has by itself', unit='m/s²', minimum=1e-6, maximum=1000.0
+    )
+    most: float = parameter(
+        8.0, 'The threshold is never above this', unit='m/s²', minimum=1e-6, maximum=1000.0
+    )
+
+
+def statistic(sums: Sums, gravity: float, weight: float) -> float:
+    """Return √(mean(|f| − g)²) [m/s²]."""
+    square = sums.force - 2.0 * gravity * sums.magnitude + gravity * gravity * sums.n
+    return sqrt(max(square, 0.0) / sums.n)
+
+
+class Magnitude(WindowDetector):
+    """Judge by the acceleration magnitude, MAG.
+
+    Skog et al. 2010, doi:10.1109/TBME.2010.2060723.  The magnitude passes through gravity
+    within each swing, so it finds rests that are none.
+    """
+
+    Settings = MagnitudeSettings
+    JUDGE = staticmethod(kernel_of(statistic))
+
+
+DETECTOR = Magnitude

@@ -1,0 +1,45 @@
+"""Count the strides of a foot: from stance to stance."""
+
+from __future__ import annotations
+
+from math import dist
+
+from dead_reckoning.core.samples import Vector
+
+SHORTEST = 0.15
+"""Way [m] between two stances below which the foot only shifted."""
+
+
+class Strides:
+    """Add up the way from stance to stance.
+
+    A stride is counted when its second stance begins; its length is that from the end of one
+    stance to the end of the other, where the positions are known best.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._length = 0.0
+        self._left: Vector | None = None
+        self._last: Vector | None = None
+
+    @property
+    def path_length(self) -> float:
+        """Length [m] of the way through all stances, that of a stance under way included."""
+        if self._left is None or self._last is None:
+            return self._length
+        return self._length + dist(self._left, self._last)
+
+    def update(self, stationary: bool, position: Vector) -> None:
+        """Take the next state: whether the foot stands, and where, shape (3,) [m].
+
+        Only where that changes, just before and just after, it matters.
+        """
+        if stationary:
+            first = self._last is None
+            if first and self._left is not None and dist(self._left, position) > SHORTEST:
+                self.count += 1
+            self._last = position
+        elif self._last is not None:
+            self._length = self.path_length
+            self._left, self._last = self._last, None

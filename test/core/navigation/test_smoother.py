@@ -1,0 +1,143 @@
+"""The smoother against Rauch, Tung and Striebel's, and the laws it keeps."""
+
+import numpy as np
+import pytest
+from simulated_walks import measured, navigator, streamed, walk
+
+from dead_reckoning.core import navigator as module
+from dead_reckoning.core import smoother as smoother_module
+from dead_reckoning.core.blocks import StateBlock
+from dead_reckoning.core.kernels import navigator as kernel
+from dead_reckoning.core.kernels.smoother import smooth
+from dead_reckoning.core.kernels.strapdown import ERRORS, carry
+from dead_reckoning.core.smoother import Smoother
+
+WALK = measured(walk(strides=4, turn=0.4), 1)
+
+
+def smoothed(block=None, stretch=1000, monkeypatch=None, **settings):
+    """Return filtered and smoothed states of a walk."""
+    if monkeypatch is not None:
+        monkeypatch.setattr(module, 'STRETCH', stretch)
+        monkeypatch.setattr(smoother_module, 'STRETCH', stretch)
+    found = navigator(**settings)
+    record = Smoother(found)
+    states = streamed(found, WALK.block() if block is None else block)
+    return states, StateBlock.join(list(record.blocks())[::-1])
+
+
+def test_it_is_that_of_rauch_tung_and_striebel():
+    found, kept = navigator(floor=False), []
+    found.record = lambda *given: kept.append([np.copy(each) for each in given])
+    streamed(found, WALK.block().part(0, 1100))
+    samples = np.concatenate([each[0] for each in kept])
+    verdicts = np.concatenate([each[1] for each in kept])
+    rules, state = kept[0][3], kept[0][4]
+    n = len(samples)
+    out, trace = np.zeros((n, kernel.STATE_ROW)), np.zeros((n, kernel.TRACE_ROW))
+    log = np.zeros((9 * n, kernel.LOG_ROW))
+    n = kernel.navigate(samples, verdicts, rules, state, out, trace, log)
+    filtered = out[:n].copy()
+    smooth(trace[:n], log, rules[kernel.GRAVITY], np.zeros((16, 1)), np.zeros((16, 16)), out[:n])
+    used = slice(0, 15)  # the floor takes no part
+    p = trace[:n, 33 : 33 + 256].reshape(n, 16, 16)
+    correction, variance = np.zeros(15), p[-1][used, used]
+    for k in range(n - 1, 0, -1):
+        row, begin = trace[k], int(trace[k - 1, -1])
+        predicted, gained = p[k].copy(), np.zeros(ERRORS)
+        for entry in log[begin : int(row[-1])]:
+            predicted += np.outer(entry[4:], entry[4:]) * entry[2]
+            gained += entry[4:] * entry[3]
+        f = np.eye(ERRORS)
+        carry(f, row[0], rules[kernel.GRAVITY], tuple(row[1:10]), tuple(row[10:13]), row[13:16])
+        back = np.linalg.solve(predicted[used, used], (f @ p[k - 1])[used, used]).T
+        correction = back @ (correction + gained[used])
+        variance = p[k - 1][used, used] + back @ (variance - predicted[used, used]) @ back.T
+        position = filtered[k - 1, :3] + correction[:3]
+        np.testing.assert_allclose(out[k - 1, :3], position, atol=1e-8)
+        spread = out[k - 1, 10:19].reshape(3, 3)
+        np.testing.assert_allclose(spread, variance[:3, :3], rtol=1e-5, atol=1e-9)
+    assert np.abs(out[:n, :3] - filtered[:, :3]).max() > 1e-3  # it does something
+
+
+def test_it_ends_where_the_filter_does_and_knows_better_before():
+    filtered, states = smoothed()
+    begin = len(states) - len(filtered)  # the smoother has the alignment too
+    np.testing.assert_array_equal(states.stamp_ns[begin:], filtered.stamp_ns)
+    np.testing.assert_array_equal(states.stationary[begin:], filtered.stationary)
+    np.testing.assert_allclose(states.position[-1], filtered.position[-1], atol=1e-9)
+    for name in ('position_covariance', 'velocity_covariance', 'attitude_covariance'):
+        before, after = getattr(filtered, name)[:, ::4], getattr(states, name)[begin:, ::4]
+        assert (after <= before * (1.0 + 1e-6) + 1e-12).all()
+        assert (after > -1e-12).all()
+
+
+def test_velocity_no_longer_jumps_where_a_stance_begins():
+    filtered, states = smoothed()
+    begin = len(states) - len(filtered)
+    landing = np.flatnonzero(np.diff(filtered.stationary.astype(int)) == 1)
+    jumps = [
+        np.linalg.norm(np.diff(v, axis=0)[landing], axis=1).mean()
+        for v in (filtered.position, states.position[begin:])
+    ]
+    assert jumps[1] < 0.5 * jumps[0]
+
+
+@pytest.mark.parametrize('stretch', [60, 333])
+def test_where_the_state_is_kept_does_not_matter(stretch, monkeypatch):
+    _, whole = smoothed()
+    _, parts = smoothed(stretch=stretch, monkeypatch=monkeypatch)
+    assert_near(parts, whole)
+
+
+def test_blocks_give_what_the_stream_gives():
+    _, stream = smoothed()
+    found = navigator()
+    record = Smoother(found)
+    block = WALK.block()
+    streamed_part = block.part(0, 300)
+    for index in range(len(streamed_part)):
+        try:
+            found.update(streamed_part.sample(index))
+        except module.NotLevelledError:
+            assert not found.aligned
+    rows = np.zeros((len(block) - 300, kernel.ROW))
+    rows[:, 0] = np.diff(block.stamp_ns[299:]) / 1e9
+    rows[:, 1:4], rows[:, 4:7] = block.specific_force[300:], block.angular_velocity[300:]
+    rows[:, 7] = found._rate_variance
+    found.take(rows, block.stamp_ns[300:])
+    found.flush()
+    assert_near(StateBlock.join(list(record.blocks())[::-1]), stream)
+
+
+def test_it_goes_over_gaps_and_stops_at_restarts():
+    block = WALK.block()
+    block.stamp_ns[900:] += 2_000_000_000
+    _, states = smoothed(block)
+    assert np.isfinite(states.position).all()
+    gap = int(np.flatnonzero(np.diff(states.stamp_ns) > 1_000_000_000)[0])
+    spread = states.position_covariance[:, 0]
+    assert spread[gap + 1] > spread[gap] + 1.0
+    _, alone = smoothed(WALK.block())
+    twice = np.concatenate([WALK.block().stamp_ns, WALK.block().stamp_ns])
+    both = type(block).join([WALK.block(), WALK.block()])
+    assert len(twice) == len(both)
+    found = navigator()
+    record = Smoother(found)
+    for index in range(len(both)):
+        if index == len(block):
+            found.flush()
+        try:
+            found.update(both.sample(index))
+        except module.NotLevelledError:
+            assert not found.aligned
+    found.flush()
+    states = StateBlock.join(list(record.blocks())[::-1])
+    assert_near(states.part(0, len(alone)), alone)
+    assert_near(states.part(len(alone), 2 * len(alone)), alone)
+
+
+def assert_near(states, others):
+    np.testing.assert_array_equal(states.stamp_ns, others.stamp_ns)
+    for name in ('position', 'velocity', 'attitude', 'position_covariance', 'angular_velocity'):
+        np.testing.assert_allclose(getattr(states, name), getattr(others, name), atol=1e-9)

@@ -1,0 +1,156 @@
+"""Detectors of rest against their formulas, and the laws that all of them keep."""
+
+import math
+
+import numpy as np
+import pytest
+
+from dead_reckoning.core import stationarity
+from dead_reckoning.core.integration.settings import IntegratorSettings
+from dead_reckoning.core.movement_end import MovementEnd
+from dead_reckoning.core.stationarity import Watch, detector_class
+
+NAMES = stationarity.names()
+GRAVITY = 9.8
+WATCH = Watch(3, 2, 4, 1.0, 30, 0.3, GRAVITY)
+
+
+def samples(seed=0, count=400):
+    """Return steps, forces and rates of rests and movements in turn."""
+    random = np.random.default_rng(seed)
+    size = np.where(np.sin(np.arange(count) / 12.0) > 0.0, 1.0, 0.02)[:, None]
+    force = size * random.normal(0.0, 3.0, (count, 3)) + [0.0, 0.6 * GRAVITY, 0.8 * GRAVITY]
+    rate = size * random.normal(0.0, 2.0, (count, 3))
+    return np.column_stack([np.full(count, 0.01), force, rate])
+
+
+def judged(name, rows, watch=WATCH, chunks=(), **settings):
+    """Return what a detector says of each sample, shape (n − delay, 3)."""
+    kind = detector_class(name)
+    detector = kind(kind.Settings(**settings), watch)
+    verdicts = np.full((len(rows), 3), 7.0)
+    for part in np.split(np.arange(len(rows)), chunks):
+        part_verdicts = np.full((len(part), 3), 7.0)
+        detector.take(rows[part], part_verdicts)
+        verdicts[part] = part_verdicts
+    assert np.isnan(verdicts[: detector.delay, :2]).all()
+    assert not verdicts[: detector.delay, 2].any()
+    return verdicts[detector.delay :]
+
+
+def shoe(force, rate, weight=0.25):
+    mean = force.mean(axis=0)
+    excess = force - GRAVITY * mean / np.linalg.norm(mean)
+    return math.sqrt((rate**2).sum(axis=1).mean() + weight**2 * (excess**2).sum(axis=1).mean())
+
+
+def angular_rate(force, rate):
+    return math.sqrt((rate**2).sum(axis=1).mean())
+
+
+def acceleration_variance(force, rate):
+    return math.sqrt(force.var(axis=0).sum())
+
+
+def magnitude(force, rate):
+    return math.sqrt(((np.linalg.norm(force, axis=1) - GRAVITY) ** 2).mean())
+
+
+FORMULAS = {
+    'shoe': shoe,
+    'angular_rate': angular_rate,
+    'acceleration_variance': acceleration_variance,
+    'magnitude': magnitude,
+}
+
+
+@pytest.mark.parametrize('name', FORMULAS)
+def test_statistic_is_the_formula_over_the_window(name):
+    rows = samples()
+    found = judged(name, rows)[:, 0]
+    for k in range(len(found)):
+        window = rows[max(0, k - WATCH.behind) : k + WATCH.ahead + 1]
+        expected = FORMULAS[name](window[:, 1:4], window[:, 4:7])
+        assert found[k] == pytest.approx(expected, rel=1e-9, abs=1e-7)
+
+
+@pytest.mark.parametrize('name', FORMULAS)
+def test_threshold_lies_between_least_and_greatest_of_the_memory(name):
+    statistic, threshold, _ = judged(name, samples(), least=0.2, most=3.0).T
+    for k in range(len(statistic)):
+        memory = statistic[max(0, k - WATCH.memory) : k + 1]
+        low, high = max(memory.min(), 0.2), max(memory.max(), 0.2)
+        assert threshold[k] == pytest.approx(min(low**0.7 * high**0.3, 3.0))
+
+
+@pytest.mark.parametrize('minimum', [1, 4, 9])
+@pytest.mark.parametrize('hysteresis', [1.0, 1.5])
+def test_rest_is_a_long_enough_run_below_the_threshold(minimum, hysteresis):
+    watch = WATCH._replace(minimum=minimum, hysteresis=hysteresis)
+    rows = samples(3)
+    statistic, threshold, stationary = judged('shoe', rows, watch).T
+    low = []
+    for value, limit in zip(statistic, threshold, strict=True):
+        low.append(value < limit * (hysteresis if low and low[-1] else 1.0))
+    edges = np.flatnonzero(np.diff([0, *low, 0]))
+    expected = np.zeros(len(low))
+    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+        if end - begin >= minimum and end < len(low):
+            expected[begin:end] = 1.0
+    decided = edges[-1] if edges[-1] < len(low) else edges[-2]  # the last run goes on
+    np.testing.assert_array_equal(stationary[:decided], expected[:decided])
+    assert 0.2 < stationary.mean() < 0.8
+
+
+@pytest.mark.parametrize('name', NAMES)
+def test_one_by_one_or_many_at_once_is_the_same(name):
+    rows = samples(1)
+    whole = judged(name, rows)
+    for chunks in (range(1, len(rows)), [1, 5, 6, 150]):
+        np.testing.assert_array_equal(judged(name, rows, chunks=list(chunks)), whole)
+
+
+@pytest.mark.parametrize('name', NAMES)
+def test_after_a_reset_it_is_as_new(name):
+    kind = detector_class(name)
+    detector = kind(kind.Settings(), WATCH)
+    rows = samples(2)
+    first, second = np.zeros((2, len(rows), 3))
+    detector.take(rows, first)
+    detector.reset()
+    detector.take(rows, second)
+    np.testing.assert_array_equal(first, second)
+
+
+@pytest.mark.parametrize('name', NAMES)
+def test_a_sensor_in_noise_rests(name):
+    random = np.random.default_rng(4)
+    rows = np.column_stack(
+        [np.full(300, 0.01), random.normal(0.0, 0.02, (300, 3)), random.normal(0, 0.002, (300, 3))]
+    )
+    rows[:, 3] += GRAVITY
+    assert judged(name, rows)[30:, 2].all()
+
+
+@pytest.mark.parametrize('name', NAMES)
+def test_settings_carry_the_name(name):
+    assert detector_class(name).Settings.prefix == f'navigator.{name}'
+
+
+def test_movement_end_is_that_of_the_integrator():
+    rows = samples(5)
+    rules = IntegratorSettings(
+        window_minimum=-0.4,
+        window_maximum=0.4,
+        movement_end_samples=6,
+        movement_end_deviation=0.15,
+    )
+    count = MovementEnd()
+    found = judged('movement_end', rows, window=0.4, samples=6)
+    for row, (statistic, threshold, stationary) in zip(rows, found, strict=True):
+        excess = float(np.linalg.norm(row[1:4])) - GRAVITY
+        count.add((excess, 0.0, 0.0), rules)
+        assert statistic == pytest.approx(abs(excess))
+        assert threshold == 0.4
+        assert stationary == count.ended(0, rules)
+    assert 0.1 < found[:, 2].mean() < 0.9
