@@ -90,6 +90,11 @@ def test_a_velocity_beyond_the_gate_is_refused_until_patience_ends():
     assert np.linalg.norm(out[-1, 3:6]) == pytest.approx(5.0, rel=1e-3)
     take(found, 30)
     assert found.counts['zero_velocity'] > before['zero_velocity']
+    take(found, 200)
+    believed = found.counts['zero_velocity']
+    found._state[3:6] = [3.0, -4.0, 0.0]
+    take(found, 15)  # its patience is whole again
+    assert found.counts['zero_velocity'] == believed
 
 
 def test_a_rolling_foot_moves_with_its_height_above_the_pivot():
