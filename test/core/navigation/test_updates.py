@@ -162,3 +162,57 @@ def test_a_held_body_keeps_its_inclination():
             errors.append(np.degrees(np.arccos(np.clip(up @ true, -1.0, 1.0))))
     assert np.sqrt(np.mean(np.square(errors))) < 0.3
     np.testing.assert_allclose(found._state[6:8], [0.005, -0.006], atol=1e-3)
+
+
+def fresh(found):
+    """Let the navigator forget how still the sensor was; return the samples of its window."""
+    found._state[kernel.STILL_COUNT], found._state[kernel.NOISE] = 0.0, -1.0
+    found._state[kernel.HELD] = 0.0
+    return round(0.4 / DT)
+
+
+def test_rest_is_known_from_a_whole_window_and_taken_from_its_middle():
+    found = aligned()
+    window = fresh(found)
+    before = found.counts['zero_rate']
+    rates = np.random.default_rng(0).normal(0.0, 1e-3, (window, 3))
+    take(found, window - 1, rate=rates[:-1])
+    assert found.counts['zero_rate'] == before
+    row = np.array([[DT, *REST.specific_force[0], *rates[-1], 0.0]])
+    log = np.zeros((10, kernel.LOG_ROW))
+    bias = found._state[6:9].copy()
+    kernel.navigate(
+        row, np.array([[0.0, 1.0, 1.0]]), found._rules, found._state,
+        np.zeros((1, kernel.STATE_ROW)), np.zeros((1, kernel.TRACE_ROW)), log,
+    )  # fmt: skip
+    assert found.counts['zero_rate'] == before + 1
+    measured = log[np.isin(log[:, 0], [9, 10, 11])]
+    np.testing.assert_allclose(measured[:, 3], rates[window // 2] - bias, atol=2e-5)
+
+
+def test_the_noise_of_the_sensor_is_no_motion():
+    found = aligned()
+    random = np.random.default_rng(1)
+    noisy = random.normal(0.0, 0.007, (2000, 3))  # above still_deviation
+    window = fresh(found)
+    before = found.counts['zero_rate']
+    take(found, 2000, rate=noisy)
+    assert found.counts['zero_rate'] == before + 2000 - window + 1
+    take(found, 400, rate=3.0 * random.normal(0.0, 0.007, (400, 3)))
+    assert found.counts['zero_rate'] < before + 2000 + 40
+
+
+def test_after_a_gap_the_window_fills_anew():
+    found = aligned()
+    take(found, 100)
+    before = found.counts['zero_rate']
+    row = np.array([[2.0, *REST.specific_force[0], 0.0, 0.0, 0.0, 0.0]])
+    kernel.navigate(
+        row, np.array([[0.0, 1.0, 1.0]]), found._rules, found._state,
+        np.zeros((1, kernel.STATE_ROW)), np.zeros((0, kernel.TRACE_ROW)),
+        np.zeros((0, kernel.LOG_ROW)),
+    )  # fmt: skip
+    take(found, 78)  # with the sample after the gap one less than the window
+    assert found.counts['zero_rate'] == before
+    take(found, 1)
+    assert found.counts['zero_rate'] == before + 1
