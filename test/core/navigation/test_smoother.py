@@ -8,7 +8,7 @@ from dead_reckoning.core import navigator as module
 from dead_reckoning.core import smoother as smoother_module
 from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.kernels import navigator as kernel
-from dead_reckoning.core.kernels.smoother import smooth
+from dead_reckoning.core.kernels.smoother import _undo, smooth
 from dead_reckoning.core.kernels.strapdown import ERRORS, carry
 from dead_reckoning.core.smoother import Smoother
 
@@ -58,6 +58,40 @@ def test_it_is_that_of_rauch_tung_and_striebel():
         spread = out[k - 1, 10:19].reshape(3, 3)
         np.testing.assert_allclose(spread, variance[:3, :3], rtol=1e-5, atol=1e-9)
     assert np.abs(out[:n, :3] - filtered[:, :3]).max() > 1e-3  # it does something
+
+
+@pytest.mark.parametrize(('i', 'j'), [(4, -1), (2, 15)])
+def test_it_goes_back_over_an_update(i, j):
+    random = np.random.default_rng(3)
+    adjoint, root, gain = random.normal(size=(16, 1)), *random.normal(size=(2, 16, 16))
+    information, gain = root @ root.T, gain[0]
+    h = np.zeros((1, 16))
+    h[0, i] = 1.0
+    if j >= 0:
+        h[0, j] = -1.0
+    total, innovation = 0.7, -0.3
+    kept = np.eye(16) - gain[:, None] @ h
+    expected = kept.T @ adjoint - h.T * innovation / total
+    spread = kept.T @ information @ kept + h.T @ h / total
+    _undo(np.array([i, j, total, innovation, *gain]), adjoint, information)
+    np.testing.assert_allclose(adjoint, expected, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(information, spread, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize('kind', [kernel.CLONE, kernel.FORGET])
+def test_it_goes_back_over_a_new_floor_and_a_gap(kind):
+    random = np.random.default_rng(4)
+    adjoint, root = random.normal(size=(16, 1)), random.normal(size=(16, 16))
+    information = root @ root.T
+    step = np.eye(16)
+    if kind == kernel.CLONE:
+        step[15] = step[2]
+    else:
+        step[3:6] = 0.0
+    expected, spread = step.T @ adjoint, step.T @ information @ step
+    _undo(np.array([kind, *np.zeros(19)], float), adjoint, information)
+    np.testing.assert_allclose(adjoint, expected, atol=1e-12)
+    np.testing.assert_allclose(information, spread, atol=1e-12)
 
 
 def test_it_ends_where_the_filter_does_and_knows_better_before():

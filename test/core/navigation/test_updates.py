@@ -1,0 +1,218 @@
+"""What is known at rest, update by update, against what it says in docs/navigation.md."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from simulated_walks import START_NS, UP, navigator, walk
+
+from dead_reckoning.core.errors import NotLevelledError
+from dead_reckoning.core.kernels import navigator as kernel
+from dead_reckoning.core.samples import ImuSample
+
+DT = 0.005
+REST = walk(strides=1).block()
+
+
+def aligned(**settings):
+    """Return a navigator that has just aligned, without a detector that looks ahead."""
+    found = navigator(detector='always', **settings)
+    for index in range(101):
+        try:
+            found.update(REST.sample(index))
+        except NotLevelledError:
+            assert not found.aligned
+    return found
+
+
+def take(found, count, rests=True, statistic=0.0, rate=(0.0, 0.0, 0.0), force=None):
+    """Let the filter take samples at rest; return its states."""
+    rows = np.zeros((count, kernel.ROW))
+    rows[:, 0], rows[:, 1:4], rows[:, 4:7] = DT, REST.specific_force[0], rate
+    if force is not None:
+        rows[:, 1:4] = force
+    verdicts = np.tile([statistic, 1.0, float(rests)], (count, 1))
+    out, none = np.zeros((count, kernel.STATE_ROW)), np.zeros((0, kernel.TRACE_ROW))
+    kernel.navigate(
+        rows, verdicts, found._rules, found._state, out, none, np.zeros((0, kernel.LOG_ROW))
+    )
+    return out
+
+
+def covariance(found):
+    return found._state[kernel.COVARIANCE : kernel.COVARIANCE + 256].reshape(16, 16)
+
+
+@pytest.mark.parametrize('seconds', [1.0, 4.0])
+@pytest.mark.parametrize('dt', [DT, 2.0 * DT])
+def test_a_rest_bounds_the_angle(seconds, dt):
+    """Information on the bias about the vertical is T²/(2 σ_s²), whatever the rate of samples."""
+    sway, prior = 1e-3, 0.05
+    found = aligned(sway=sway, rate_bias=prior, rate_noise=1e-9, rate_walk=0.0, still_window=0.05)
+    up = Rotation.from_quat(found._state[13:17]).inv().apply([0.0, 0.0, 1.0])
+    rests = found.counts['zero_rate'] * DT
+    rows = round(seconds / dt)
+    samples = np.zeros((rows, kernel.ROW))
+    samples[:, 0], samples[:, 1:4] = dt, REST.specific_force[0]
+    kernel.navigate(
+        samples, np.tile([0.0, 1.0, 1.0], (rows, 1)), found._rules, found._state,
+        np.zeros((rows, kernel.STATE_ROW)), np.zeros((0, kernel.TRACE_ROW)),
+        np.zeros((0, kernel.LOG_ROW)),
+    )  # fmt: skip
+    age = rests + seconds + 0.05
+    expected = 1.0 / (1.0 / prior**2 + (age**2 - 0.05**2) / (2.0 * sway**2))
+    found_variance = up @ covariance(found)[9:12, 9:12] @ up
+    assert found_variance == pytest.approx(expected, rel=0.03)
+
+
+def test_a_rest_shows_the_bias():
+    found = aligned()
+    bias = np.array([0.004, -0.002, 0.003])
+    take(found, 1000, rate=bias)
+    np.testing.assert_allclose(found._state[6:9], bias, atol=5e-4)
+
+
+def test_a_turning_stance_shows_none():
+    found = aligned()
+    before = found.counts['zero_rate']
+    turning = 0.03 * np.sin(np.arange(400) * 0.05)[:, None] * [1.0, 0.0, 1.0]
+    take(found, 400, rate=turning)
+    assert found.counts['zero_rate'] < before + 40
+
+
+def test_a_velocity_beyond_the_gate_is_refused_until_patience_ends():
+    found = aligned(patience=0.1)
+    take(found, 200)
+    before = found.counts
+    found._state[3:6] = [3.0, -4.0, 0.0]
+    out = take(found, 15)
+    assert found.counts['zero_velocity'] == before['zero_velocity']
+    assert found.counts['zero_velocity_refused'] == before['zero_velocity_refused'] + 15
+    assert np.linalg.norm(out[-1, 3:6]) == pytest.approx(5.0, rel=1e-3)
+    take(found, 30)
+    assert found.counts['zero_velocity'] > before['zero_velocity']
+    take(found, 200)
+    believed = found.counts['zero_velocity']
+    found._state[3:6] = [3.0, -4.0, 0.0]
+    take(found, 15)  # its patience is whole again
+    assert found.counts['zero_velocity'] == believed
+
+
+def test_a_rolling_foot_moves_with_its_height_above_the_pivot():
+    found = aligned(height=0.2, pivot=0.0, stance_velocity=1e-4, gate=1e9, acceleration_bias=0.0)
+    body = Rotation.from_quat(found._state[13:17])
+    turning_w = np.array([0.0, 0.5, 0.0])
+    out = take(found, 1, statistic=0.5, rate=body.inv().apply(turning_w))
+    assert out[0, 3] == pytest.approx(0.5 * 0.2, rel=0.02)  # pitching down goes ahead
+
+
+def test_a_stance_counts_the_same_at_any_rate_of_samples():
+    """The error of the velocity is a density: two samples of half the step say as much."""
+    spreads = []
+    for dt in (DT, 0.5 * DT):
+        found = aligned(stance_velocity=0.05, acceleration_noise=0.01)
+        covariance(found)[:] = np.diag(np.full(16, 1e-12))
+        covariance(found)[3:6, 3:6] = np.eye(3)
+        rows = round(0.1 / dt)
+        samples = np.zeros((rows, kernel.ROW))
+        samples[:, 0], samples[:, 1:4] = dt, REST.specific_force[0]
+        kernel.navigate(
+            samples, np.tile([0.0, 1.0, 1.0], (rows, 1)), found._rules, found._state,
+            np.zeros((rows, kernel.STATE_ROW)), np.zeros((0, kernel.TRACE_ROW)),
+            np.zeros((0, kernel.LOG_ROW)),
+        )  # fmt: skip
+        spreads.append(covariance(found)[3, 3])
+    assert spreads[0] == pytest.approx(0.05**2 * 0.15 / 0.1, rel=0.05)
+    assert spreads[1] == pytest.approx(spreads[0], rel=0.05)
+
+
+def test_a_held_body_keeps_its_inclination():
+    """With `always` a bound of the velocity is what points to the vertical."""
+    time = np.arange(0.0, 60.0, 0.01)
+    swing = np.clip(time - 2.0, 0.0, 1.0)[:, None]  # it begins with a rest
+
+    def attitude(t):
+        angles = np.column_stack([0.3 * np.sin(2.0 * t), 0.4 * np.sin(1.3 * t), 0.5 * np.sin(t)])
+        return Rotation.from_euler('xyz', np.clip(t - 2.0, 0.0, 1.0)[:, None] * angles)
+
+    h = 1e-5
+    rate = (attitude(time - h).inv() * attitude(time + h)).as_rotvec() / (2.0 * h)
+    rate += np.array([0.005, -0.006, 0.004])
+    shaken = swing * np.sin(time[:, None] * [6.0, 7.0, 9.0]) * [2.0, -1.5, 1.0]
+    force = attitude(time).inv().apply(shaken + UP)
+    found = navigator(
+        detector='always', acceleration_noise=0.02, sampling_noise=0.0, stance_velocity=1.0,
+        pivot=0.0, correlation=1.0, height=0.0, floor=False, rate_walk=2e-5,
+        acceleration_bias=0.1, rate_bias=0.0087,
+    )  # fmt: skip
+    errors = []
+    for k in range(len(time)):
+        imu = ImuSample(
+            START_NS + k * 10_000_000,
+            'imu_link',
+            tuple(force[k].tolist()),
+            angular_velocity=tuple(rate[k].tolist()),
+        )
+        try:
+            (state,) = found.update(imu) or (None,)
+        except NotLevelledError:
+            continue
+        if state is not None and k > 1000:
+            up = Rotation.from_quat(state.attitude).inv().apply([0.0, 0.0, 1.0])
+            true = attitude(time[k : k + 1]).inv().apply([0.0, 0.0, 1.0])[0]
+            errors.append(np.degrees(np.arccos(np.clip(up @ true, -1.0, 1.0))))
+    assert np.sqrt(np.mean(np.square(errors))) < 0.3
+    np.testing.assert_allclose(found._state[6:8], [0.005, -0.006], atol=1e-3)
+
+
+def fresh(found):
+    """Let the navigator forget how still the sensor was; return the samples of its window."""
+    found._state[kernel.STILL_COUNT], found._state[kernel.NOISE] = 0.0, -1.0
+    found._state[kernel.HELD] = 0.0
+    return round(0.4 / DT)
+
+
+def test_rest_is_known_from_a_whole_window_and_taken_from_its_middle():
+    found = aligned()
+    window = fresh(found)
+    before = found.counts['zero_rate']
+    rates = np.random.default_rng(0).normal(0.0, 1e-3, (window, 3))
+    take(found, window - 1, rate=rates[:-1])
+    assert found.counts['zero_rate'] == before
+    row = np.array([[DT, *REST.specific_force[0], *rates[-1], 0.0]])
+    log = np.zeros((10, kernel.LOG_ROW))
+    bias = found._state[6:9].copy()
+    kernel.navigate(
+        row, np.array([[0.0, 1.0, 1.0]]), found._rules, found._state,
+        np.zeros((1, kernel.STATE_ROW)), np.zeros((1, kernel.TRACE_ROW)), log,
+    )  # fmt: skip
+    assert found.counts['zero_rate'] == before + 1
+    measured = log[np.isin(log[:, 0], [9, 10, 11])]
+    np.testing.assert_allclose(measured[:, 3], rates[window // 2] - bias, atol=2e-5)
+
+
+def test_the_noise_of_the_sensor_is_no_motion():
+    found = aligned()
+    random = np.random.default_rng(1)
+    noisy = random.normal(0.0, 0.007, (2000, 3))  # above still_deviation
+    window = fresh(found)
+    before = found.counts['zero_rate']
+    take(found, 2000, rate=noisy)
+    assert found.counts['zero_rate'] == before + 2000 - window + 1
+    take(found, 400, rate=3.0 * random.normal(0.0, 0.007, (400, 3)))
+    assert found.counts['zero_rate'] < before + 2000 + 40
+
+
+def test_after_a_gap_the_window_fills_anew():
+    found = aligned()
+    take(found, 100)
+    before = found.counts['zero_rate']
+    row = np.array([[2.0, *REST.specific_force[0], 0.0, 0.0, 0.0, 0.0]])
+    kernel.navigate(
+        row, np.array([[0.0, 1.0, 1.0]]), found._rules, found._state,
+        np.zeros((1, kernel.STATE_ROW)), np.zeros((0, kernel.TRACE_ROW)),
+        np.zeros((0, kernel.LOG_ROW)),
+    )  # fmt: skip
+    take(found, 78)  # with the sample after the gap one less than the window
+    assert found.counts['zero_rate'] == before
+    take(found, 1)
+    assert found.counts['zero_rate'] == before + 1
