@@ -101,6 +101,7 @@ class NodeProcess:
             self.process = subprocess.Popen(
                 [*command, *arguments],
                 env=environment,
+                cwd=folder,  # the preset mbed.yaml logs where it is started
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=err,
