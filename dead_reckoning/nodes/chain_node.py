@@ -164,8 +164,9 @@ class ChainNode(Node):
         self.push(name, sample)
 
     def push(self, name: str, value: Any) -> None:
-        """Put something into the chain, and publish what comes out of it."""
-        self._put_out(self._chain.push(name, value))
+        """Put something into the chain and publish what comes out of it; nothing after the end."""
+        if not self.finished.done():
+            self._put_out(self._chain.push(name, value))
 
     def _receive(self, watched: Input, decode: Callable[[bytes], Any], data: bytes) -> None:
         watched.arrive()
