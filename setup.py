@@ -29,6 +29,7 @@ setup(
         'matplotlib',
         'numba',
         'numpy',
+        'orjson',
         'pyserial',
         'PyYAML',
         'rosbags',

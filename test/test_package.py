@@ -20,6 +20,7 @@ IMPORTED_BY = {
     'python3-matplotlib': 'matplotlib',
     'python3-numba': 'numba',
     'python3-numpy': 'numpy',
+    'python3-orjson': 'orjson',
     'python3-scipy': 'scipy',
     'python3-pytest': 'pytest',
     'python3-rosbags-pip': 'rosbags',

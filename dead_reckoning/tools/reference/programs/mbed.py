@@ -5,10 +5,8 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from dataclasses import fields
 
-import numpy as np
-from numpy.typing import NDArray
-
 from dead_reckoning.core.reference import mbed
+from dead_reckoning.tables import number_rows
 from dead_reckoning.tools.options import add_counts, finite, whole
 from dead_reckoning.tools.reference.table import Columns, read
 
@@ -44,14 +42,4 @@ def run(arguments: Namespace) -> list[str]:
         rows=constants.calibration_count + constants.sample_count,
     )
     updates = mbed.run(read(arguments.counts, columns)[:, 0], constants)
-    accelerations, velocities, positions = map(np.ascontiguousarray, updates.T)
-    # Digits take most of the time; accelerations are a few values, told apart with their sign.
-    distinct, which = np.unique(accelerations.view(np.int64), return_inverse=True)
-    written = map(_digits(distinct.view(np.float64)).__getitem__, which.tolist())
-    rows = zip(written, _digits(velocities), _digits(positions), strict=True)
-    return ['a,v,p', *map(','.join, rows)]
-
-
-def _digits(values: NDArray[np.float64]) -> list[str]:
-    """Return each value in as many digits as it takes to read the same double back."""
-    return str(values.tolist())[1:-1].split(', ')
+    return ['a,v,p', *number_rows(updates)]

@@ -25,7 +25,8 @@ def write(folder: Path, task: Task) -> Iterator[Takers]:
         def take(block: StateBlock) -> None:
             columns = odometry_columns(block)
             table.write(lines(columns))
-            tum.write(lines([seconds(columns[0]), *columns[1:8]], ' '))
+            stamps, poses = columns[:2]
+            tum.write(lines([seconds(stamps), [pose.replace(',', ' ') for pose in poses]], ' '))
 
         yield {ODOMETRY: take}
 
