@@ -9,8 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
+from functools import cache
+from itertools import groupby, islice
+from operator import itemgetter, methodcaller
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from dead_reckoning import wire
 from dead_reckoning.block_wire import decode_imus
@@ -34,6 +37,26 @@ IMU = 'sensor_msgs/msg/Imu'
 ODOMETRY = 'nav_msgs/msg/Odometry'
 POSE = 'geometry_msgs/msg/PoseStamped'
 
+CHECKSUMS = {
+    IMU: (
+        'RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b',
+        '6a62c6daae103f4ff57a132d6f95cec2',
+    ),
+    ODOMETRY: (
+        'RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0',
+        'cd5e73d190d741a2f92e81eda573aca7',
+    ),
+    POSE: (
+        'RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8',
+        'd3812c3cbc69362b77dc0b19b345f8f5',
+    ),
+}
+"""Those of the standard types, of ROS 2 and of ROS 1.
+
+Their definitions never changed, so those in a recording need not be parsed; another checksum shows
+a type that only has the name.
+"""
+
 BLOCK = 4096
 """Most messages of a block: enough that a block costs nothing, and few for the cache."""
 
@@ -42,6 +65,7 @@ SUFFIXES = ('.bag', '.mcap', '.db3')
 _ALLOWED = 'name a .bag of ROS 1, a rosbag2 folder, or the .mcap or .db3 file in one'
 
 Sample = TypeVar('Sample')
+Converter: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
 
 
 def topics(path: Path) -> dict[str, str]:
@@ -90,27 +114,17 @@ def read_blocks(path: Path, topics: Collection[str]) -> Iterator[tuple[str, ImuB
     """
     reader, connections, convert = _open(path, topics, IMU)
 
-    def decoded(
-        topic: str, times: Sequence[int], messages: Sequence[bytes]
-    ) -> Iterator[tuple[str, ImuBlock | Stamped]]:
-        for index, made in decode_imus(list(map(convert, messages))):
-            if isinstance(made, WireError):
-                yield topic, Stamped(times[index], made)
-            else:
-                yield topic, made
-
     def blocks() -> Iterator[tuple[str, ImuBlock | Stamped]]:
-        topic = ''
-        times: list[int] = []  # two lists: a tuple for each message would keep the
-        messages: list[bytes] = []  # garbage collector busy
         with _explained(path), closing(reader):
-            for connection, time_ns, data in reader.messages(connections):
-                if connection.topic != topic or len(messages) == BLOCK:
-                    yield from decoded(topic, times, messages)
-                    topic, times, messages = connection.topic, [], []
-                times.append(time_ns)
-                messages.append(data)
-            yield from decoded(topic, times, messages)
+            recorded = reader.messages(connections)
+            while several := list(islice(recorded, BLOCK)):
+                for connection, group in groupby(several, itemgetter(0)):
+                    _, times, messages = zip(*group, strict=True)
+                    for index, made in decode_imus(convert(messages)):
+                        if isinstance(made, WireError):
+                            yield connection.topic, Stamped(times[index], made)
+                        else:
+                            yield connection.topic, made
 
     return blocks()
 
@@ -124,14 +138,14 @@ def _read(
     def samples() -> Iterator[Sample]:
         with _explained(path), closing(reader):
             for _, _, data in reader.messages(connections):
-                yield decode(convert(data))
+                yield decode(*convert((data,)))
 
     return samples()
 
 
 def _open(
     path: Path, chosen: Collection[str], message_type: str
-) -> tuple[Reader, list[Connection], Callable[[bytes], bytes]]:
+) -> tuple[Reader, list[Connection], Converter]:
     """Open a recording; return it, some topics of it, and what makes little-endian CDR of them."""
     with _explained(path):
         reader = _reader(path)
@@ -219,21 +233,11 @@ def _choose(path: Path, types: dict[str, str], topic: str | None, wanted: str) -
     return topic
 
 
-def _converter(
-    path: Path, connections: Sequence[Connection], message_type: str
-) -> Callable[[bytes], bytes]:
-    """Return what turns recorded bytes of a standard type into little-endian CDR.
-
-    The definitions of these types never changed, so those in the recording need not be parsed;
-    a checksum that differs shows a type that only has the name.
-    """
-    from rosbags.typesys import Stores, get_typestore
-
-    store, ros1 = get_typestore(Stores.ROS2_JAZZY), _is_ros1(path)
-    if ros1:
-        checksum = get_typestore(Stores.ROS1_NOETIC).generate_msgdef(message_type)[1]
-    else:
-        checksum = store.hash_rihs01(message_type)
+def _converter(path: Path, connections: Sequence[Connection], message_type: str) -> Converter:
+    """Return what turns recorded bytes of a standard type into little-endian CDR."""
+    ros1 = _is_ros1(path)
+    rihs01, md5 = CHECKSUMS[message_type]
+    checksum = md5 if ros1 else rihs01
     for connection in connections:
         if connection.digest not in (checksum, '', '*'):
             raise RecordingError(
@@ -241,9 +245,8 @@ def _converter(
                 f'(checksum {connection.digest}, not {checksum})'
             )
 
-    def convert(data: bytes) -> bytes:
-        if data[:2] == wire.LITTLE_ENDIAN[:2] and not ros1:
-            return data
+    def convert_one(data: bytes) -> bytes:
+        store = _typestore()
         try:
             if ros1:
                 return bytes(store.ros1_to_cdr(data, message_type))
@@ -252,7 +255,24 @@ def _converter(
         except Exception:  # rosbags lets through whatever its parsers trip over
             return data  # which no decoder takes for a message
 
+    is_fit = methodcaller('startswith', wire.LITTLE_ENDIAN[:2])
+
+    def convert(messages: Sequence[bytes]) -> Sequence[bytes]:
+        if ros1:
+            return [convert_one(data) for data in messages]
+        if all(map(is_fit, messages)):
+            return messages
+        return [data if is_fit(data) else convert_one(data) for data in messages]
+
     return convert
+
+
+@cache
+def _typestore() -> Any:
+    """Return the messages of Jazzy, which take a tenth of a second; few recordings need them."""
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores.ROS2_JAZZY)
 
 
 class BagWriter:
@@ -273,10 +293,9 @@ class BagWriter:
                 QosTime,
             )
             from rosbags.rosbag2 import StoragePlugin, Writer
-            from rosbags.typesys import Stores, get_typestore
         except ImportError as error:
             raise _not_installed(path) from error
-        store = get_typestore(Stores.ROS2_JAZZY)
+        store = _typestore()
         self._writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
         self._writer.open()
         never = QosTime(*divmod(2**63 - 1, 10**9))

@@ -322,6 +322,13 @@ def test_a_recording_of_nothing_is_said_to_be_one(tmp_path, kind):
         read_imu(path)
 
 
+@pytest.mark.parametrize('message_type', bags.CHECKSUMS)
+def test_checksums_are_those_of_the_standard_types(message_type):
+    ros2, ros1 = (get_typestore(store) for store in (Stores.ROS2_JAZZY, Stores.ROS1_NOETIC))
+    standard = ros2.hash_rihs01(message_type), ros1.generate_msgdef(message_type)[1]
+    assert bags.CHECKSUMS[message_type] == standard
+
+
 def test_a_type_that_only_has_the_name_is_refused(tmp_path):
     store = get_typestore(Stores.EMPTY)
     store.register(get_types_from_msg('float64 x\n', IMU))
