@@ -26,6 +26,9 @@ from std_srvs.srv import Trigger
 
 import dead_reckoning
 
+PATIENCE = 5.0
+"""Time [s] after which a node is asked again for its parameters."""
+
 DEADLINE = 30.0
 """How long [s] anything may take; only a failure takes that long."""
 
@@ -250,9 +253,21 @@ class Ros:
         return self.call(Trigger, name, Trigger.Request())
 
     def get(self, node: str, *names: str) -> list[Any]:
-        """Return values of parameters of a node."""
+        """Return values of parameters of a node.
+
+        It is asked again where no answer comes: the middleware drops one to a client that the
+        node has not found yet.
+        """
+        client = self.client(GetParameters, f'{node}/get_parameters')
         request = GetParameters.Request(names=list(names))
-        values = self.call(GetParameters, f'{node}/get_parameters', request).values
+        begin, asked = time.monotonic(), []
+
+        def answer() -> Any:
+            if len(asked) * PATIENCE <= time.monotonic() - begin:
+                asked.append(client.call_async(request))
+            return next((future.result() for future in asked if future.done()), None)
+
+        values = self.until(answer, f'the parameters of {node}').values
         messages = [ParameterMessage(name=n, value=v) for n, v in zip(names, values, strict=True)]
         return [Parameter.from_parameter_msg(message).value for message in messages]
 
