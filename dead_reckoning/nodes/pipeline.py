@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dead_reckoning.configuration import DRIVER, PEDOMETER
+from dead_reckoning.configuration import DRIVER, NAVIGATOR, PEDOMETER
 from dead_reckoning.core.chain import Stage
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
@@ -25,8 +25,8 @@ class PipelineNode(ChainNode):
     """
 
     def __init__(self) -> None:
-        parts = (PipelineSettings, *DRIVER, GravitySettings, IntegratorSettings, *PEDOMETER)
-        super().__init__('pipeline', parts)
+        parts = (PipelineSettings, *DRIVER, GravitySettings, IntegratorSettings)
+        super().__init__('pipeline', (*parts, *PEDOMETER, *NAVIGATOR))
         settings = self.configuration[PipelineSettings]
         from_topic = settings.source == 'topic'
         pipeline = Pipeline(
@@ -50,6 +50,11 @@ class PipelineNode(ChainNode):
             gravity_removal.serve(self, pipeline.gravity)
         if pipeline.integrator is not None:
             integrator.serve(self, pipeline.integrator)
+        if pipeline.navigator is not None:
+            # Imported here: its kernels are slow to import, and few need them.
+            from dead_reckoning.nodes import inertial_navigator
+
+            inertial_navigator.serve(self, pipeline.navigator)
         if pipeline.pedometer is not None and pipeline.step_odometry is not None:
             # ~/calibrate is a Trigger here already: the driver's and the integrator's.
             pedometer.serve(

@@ -16,6 +16,12 @@ class NavigatorSettings(Settings, prefix='navigator'):
     what half and twice of it cost on recordings.
     """
 
+    input: str = parameter(
+        'imu/data_raw',
+        'Topic of its Imu, with an angular velocity: imu/data for a device that has only that; '
+        'its orientation is not used',
+        choices=('imu/data_raw', 'imu/data'),
+    )
     rest_duration: float = parameter(
         0.5, 'How long the device must rest to be aligned', unit='s', minimum=0.05, maximum=60.0
     )
@@ -239,3 +245,9 @@ class NavigatorSettings(Settings, prefix='navigator'):
         minimum=0.0,
         maximum=1.0,
     )
+
+    @property
+    def detector_part(self) -> type[Settings]:
+        """The class of the detector's own settings."""
+        part: type[Settings] = stationarity.detector_class(self.detector).Settings
+        return part
