@@ -78,23 +78,29 @@ class Summary:
         duration = self._time.duration_ns / NANOSECONDS
         steps, distance = self._totals.get(STEPS), self._totals.get(DISTANCE)
         last, integrated = self._last, self._way == ODOMETRY
-        strides, path = None if steps is None else steps // 2, self._path
-        if self._strides:
-            strides = sum(walk.count for walk in self._walks)
-            path = sum(walk.path_length for walk in self._walks)
+        way = self.way()
         return {
             'samples': self.samples,
             'duration_s': duration,
             'rate_hz': (self.samples - 1) / duration if duration > 0.0 else None,
             'steps': steps,
-            'strides': strides,
+            'strides': way.get('strides', None if steps is None else steps // 2),
             'distance_m': distance,
-            'path_length_m': path if last is not None else None,
+            'path_length_m': None if last is None else way.get('path_length', self._path),
             'end_position_m': None if last is None else last.position[-1].tolist(),
             'stationary_fraction': (
                 self._stationary / self._states if integrated and self._states else None
             ),
             'dropped': self.dropped,
+        }
+
+    def way(self) -> dict[str, Any]:
+        """Return strides and path length [m] from stance to stance; empty without a navigator."""
+        if not self._strides:
+            return {}
+        return {
+            'strides': sum(walk.count for walk in self._walks),
+            'path_length': sum(walk.path_length for walk in self._walks),
         }
 
     def _count(self, block: ImuBlock) -> None:
