@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import replace
 
 from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.chain import END, FAULT, NOTICE, Output, Stage
-from dead_reckoning.core.errors import RestartError, SampleError
+from dead_reckoning.core.common import CommonSettings
+from dead_reckoning.core.errors import NotLevelledError, RestartError, SampleError
 from dead_reckoning.core.mounting import IDENTITY_MOUNTING, Mounting, Mountings, carried, unmounted
+from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
+from dead_reckoning.core.parameters import Settings
+from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import matrix_from_quaternion, rotate
-from dead_reckoning.core.samples import ZERO, ImuSample, NavigationState, Vector
+from dead_reckoning.core.samples import NANOSECONDS, ZERO, ImuSample, NavigationState, Vector
 from dead_reckoning.core.stages import COMPASS, ODOMETRY, STATIONARY, STATISTIC, THRESHOLD
 
 
@@ -63,6 +69,21 @@ class BodyStates:
             return state
         rot_wb = matrix_from_quaternion(state.attitude)
         return carried(state, rot_wb, lever_arm, start_w, state.angular_velocity_covariance)
+
+
+def load_kernels(settings: NavigatorSettings, common: CommonSettings, own: Settings) -> None:
+    """Let a navigator of these settings align, so that the first samples need not wait for it.
+
+    That takes a second, where the kernels have to be compiled ten or more.
+    """
+    settings = replace(settings, rest_duration=0.5, max_gap=0.5)
+    navigator = InertialNavigator(settings, common, own)
+    for k in range(60):
+        with suppress(NotLevelledError):
+            stamp_ns = (1 + k) * NANOSECONDS // 100
+            navigator.update(
+                ImuSample(stamp_ns, '', (0.0, 0.0, GRAVITY), angular_velocity=(0.0, 0.0, 0.0))
+            )
 
 
 def navigator_stage(

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import time
+
 from dead_reckoning.configuration import NAVIGATOR
 from dead_reckoning.core.chain import Chain
+from dead_reckoning.core.kernels import SLOW, accelerated
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
-from dead_reckoning.core.navigator_stage import navigator_stage
+from dead_reckoning.core.navigator_stage import load_kernels, navigator_stage
 from dead_reckoning.core.stages import COMPASS, ODOMETRY, STATIONARY, STATISTIC, THRESHOLD
 from dead_reckoning.nodes import parameters
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.transforms import mountings
+
+LONG = 5.0
+"""Loading kernels takes less [s]."""
 
 
 class InertialNavigatorNode(ChainNode):
@@ -19,8 +25,9 @@ class InertialNavigatorNode(ChainNode):
     def __init__(self) -> None:
         super().__init__('inertial_navigator', NAVIGATOR)
         settings = self.configuration[NavigatorSettings]
-        of_detector = self.configuration[settings.detector_part]
-        navigator = InertialNavigator(settings, self.common, of_detector)
+        own = self.configuration[settings.detector_part]
+        prepare(self)
+        navigator = InertialNavigator(settings, self.common, own)
         self.connect(
             Chain([navigator_stage(navigator, mountings(self, self.frames))]),
             inputs=(settings.input, COMPASS),
@@ -29,6 +36,17 @@ class InertialNavigatorNode(ChainNode):
             optional=(COMPASS,),
         )
         serve(self, navigator)
+
+
+def prepare(node: ChainNode) -> None:
+    """Load what an inertial navigator needs, before samples come that would have to wait."""
+    settings = node.configuration[NavigatorSettings]
+    begin = time.perf_counter()
+    load_kernels(settings, node.common, node.configuration[settings.detector_part])
+    if not accelerated():
+        node.get_logger().warning(SLOW)
+    elif (took := time.perf_counter() - begin) > LONG:
+        node.get_logger().info(f'the kernels were compiled, once for all: {took:.0f} s')
 
 
 def serve(node: ChainNode, navigator: InertialNavigator) -> None:

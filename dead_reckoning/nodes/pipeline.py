@@ -11,7 +11,7 @@ from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.stages import COMPASS
-from dead_reckoning.nodes import gravity_removal, integrator, pedometer
+from dead_reckoning.nodes import gravity_removal, inertial_navigator, integrator, pedometer
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.driver import driver_of
 from dead_reckoning.nodes.transforms import mountings
@@ -29,6 +29,8 @@ class PipelineNode(ChainNode):
         super().__init__('pipeline', (*parts, *PEDOMETER, *NAVIGATOR))
         settings = self.configuration[PipelineSettings]
         from_topic = settings.source == 'topic'
+        if 'inertial_navigator' in settings.estimators:
+            inertial_navigator.prepare(self)
         pipeline = Pipeline(
             self.configuration, self._ending(settings), mountings(self, self.frames)
         )
@@ -51,9 +53,6 @@ class PipelineNode(ChainNode):
         if pipeline.integrator is not None:
             integrator.serve(self, pipeline.integrator)
         if pipeline.navigator is not None:
-            # Imported here: its kernels are slow to import, and few need them.
-            from dead_reckoning.nodes import inertial_navigator
-
             inertial_navigator.serve(self, pipeline.navigator)
         if pipeline.pedometer is not None and pipeline.step_odometry is not None:
             # ~/calibrate is a Trigger here already: the driver's and the integrator's.
