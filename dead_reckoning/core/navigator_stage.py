@@ -71,13 +71,13 @@ class BodyStates:
         return carried(state, rot_wb, lever_arm, start_w, state.angular_velocity_covariance)
 
 
-def load_kernels(settings: NavigatorSettings, common: CommonSettings, own: Settings) -> None:
+def load_kernels(settings: NavigatorSettings, common: CommonSettings, *own: Settings) -> None:
     """Let a navigator of these settings align, so that the first samples need not wait for it.
 
     That takes a second, where the kernels have to be compiled ten or more.
     """
     settings = replace(settings, rest_duration=0.5, max_gap=0.5)
-    navigator = InertialNavigator(settings, common, own)
+    navigator = InertialNavigator(settings, common, *own)
     for k in range(60):
         with suppress(NotLevelledError):
             stamp_ns = (1 + k) * NANOSECONDS // 100

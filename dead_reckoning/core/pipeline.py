@@ -146,7 +146,8 @@ class Pipeline:
             from dead_reckoning.core.navigator_stage import BodyStates
 
             navigator = parts[NavigatorSettings]
-            self.navigator = InertialNavigator(navigator, common, parts[navigator.detector_part])
+            own = [parts[part] for part in navigator.detector_parts]
+            self.navigator = InertialNavigator(navigator, common, *own)
             self.body = BodyStates(self.navigator, mountings)
             stages.append(make.navigator(self.navigator, mountings, self.body))
             self.outputs += (ODOMETRY, STATIONARY)

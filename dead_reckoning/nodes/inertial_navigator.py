@@ -25,9 +25,9 @@ class InertialNavigatorNode(ChainNode):
     def __init__(self) -> None:
         super().__init__('inertial_navigator', NAVIGATOR)
         settings = self.configuration[NavigatorSettings]
-        own = self.configuration[settings.detector_part]
+        own = [self.configuration[part] for part in settings.detector_parts]
         prepare(self)
-        navigator = InertialNavigator(settings, self.common, own)
+        navigator = InertialNavigator(settings, self.common, *own)
         self.connect(
             Chain([navigator_stage(navigator, mountings(self, self.frames))]),
             inputs=(settings.input, COMPASS),
@@ -42,7 +42,8 @@ def prepare(node: ChainNode) -> None:
     """Load what an inertial navigator needs, before samples come that would have to wait."""
     settings = node.configuration[NavigatorSettings]
     begin = time.perf_counter()
-    load_kernels(settings, node.common, node.configuration[settings.detector_part])
+    own = [node.configuration[part] for part in settings.detector_parts]
+    load_kernels(settings, node.common, *own)
     if not accelerated():
         node.get_logger().warning(SLOW)
     elif (took := time.perf_counter() - begin) > LONG:
@@ -58,7 +59,7 @@ def serve(node: ChainNode, navigator: InertialNavigator) -> None:
 
     node.offer('reset', reset)
     node.offer('level', navigator.level)
-    parameters.follow_changes(node, navigator.settings, navigator.apply)
+    parameters.follow_changes(node, navigator.settings, navigator.configure)
     node.show(lambda: figures(navigator))
 
 

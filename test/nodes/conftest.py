@@ -37,5 +37,4 @@ def _kernels():
     from dead_reckoning.core.navigation.settings import NavigatorSettings
     from dead_reckoning.core.navigator_stage import load_kernels
 
-    settings = NavigatorSettings()
-    load_kernels(settings, CommonSettings(), settings.detector_part())
+    load_kernels(NavigatorSettings(), CommonSettings())

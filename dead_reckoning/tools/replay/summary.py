@@ -55,8 +55,7 @@ class Summary:
         self._last: StateBlock | None = None
         self._walks: list[Strides] = []
         """Strides from each start on, where a navigator finds them."""
-        navigator = pipeline.navigator
-        self._strides = navigator is not None and navigator.settings.detector != 'always'
+        self._strides = pipeline.navigator is not None
 
     def takers(self) -> Mapping[str, Callable[[Any], object]]:
         """Return what it takes, by name."""

@@ -203,7 +203,7 @@ def _used(settings: Parts) -> list[type[Settings]]:
     if INTEGRATOR in estimators:
         parts.append(IntegratorSettings)
     if NAVIGATOR in estimators:
-        parts += [NavigatorSettings, settings[NavigatorSettings].detector_part]
+        parts += [NavigatorSettings, *settings[NavigatorSettings].detector_parts]
     if PEDOMETER in estimators:
         parts += [PedometerSettings, pedometer.method_part]
     return [*parts, CommonSettings, FrameSettings]

@@ -147,13 +147,3 @@ def test_without_a_gyro_it_is_said_and_all_are_dropped(tmp_path, foot):
     assert result.figures['strides'] == 0
     assert result.figures['path_length_m'] is result.figures['end_position_m'] is None
     assert (tmp_path / 'out/smoothed.csv').read_text().count('\n') == 1
-
-
-def test_a_body_that_is_always_held_has_no_strides(tmp_path, foot):
-    path = write_bag(tmp_path / 'walk', flow(samples(foot)))
-    values = {'navigator.detector': 'always'}
-    result = run(job(path, tmp_path / 'out', ('summary', 'odometry'), **values))
-    way = table(tmp_path / 'out/odometry.csv')
-    moved = np.linalg.norm(np.diff([way[k] for k in ('px', 'py', 'pz')]), axis=0).sum()
-    assert result.figures['strides'] is None
-    assert result.figures['path_length_m'] == pytest.approx(moved)
