@@ -7,9 +7,13 @@ import numpy as np
 from dead_reckoning.core.blocks import ImuBlock, StateBlock
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import NotLevelledError
+from dead_reckoning.core.kernels.navigation import layout
+from dead_reckoning.core.kernels.navigation.filter import navigate
+from dead_reckoning.core.navigation.aids import NO_AIDS
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
 from dead_reckoning.core.samples import NOT_MEASURED
+from dead_reckoning.core.smoother import LARGEST_LOG
 from dead_reckoning.sources import motions
 
 START_NS = 1_700_000_000_000_000_000
@@ -79,17 +83,26 @@ def measured(walk, seed, force_noise=0.01, rate_noise=3e-4, force_bias=0.1, rate
     return Walk(walk.time, force, rate, walk.position, walk.velocity, walk.rotation)
 
 
-def navigator(of_detector=None, **settings):
-    return InertialNavigator(NavigatorSettings(**settings), CommonSettings(), of_detector)
+def navigator(*of_detectors, **settings):
+    return InertialNavigator(NavigatorSettings(**settings), CommonSettings(), *of_detectors)
 
 
-def streamed(filtered, block):
+def filtered(rules, state, samples, verdicts, aids=NO_AIDS):
+    """Let the filter take samples, shape (n, ROW); return its rows, trace and log."""
+    n = len(samples)
+    out, trace = np.zeros((n, layout.STATE_ROW)), np.zeros((n, layout.TRACE_ROW))
+    log = np.zeros((LARGEST_LOG * n, layout.LOG_ROW))
+    done = navigate(samples, verdicts, aids, rules, state, out, trace, log)
+    return out[:done], trace[:done], log
+
+
+def streamed(found, block):
     """Return the states that a navigator gives for a block, sample by sample, to the end."""
     states = []
     for index in range(len(block)):
         try:
-            states += filtered.update(block.sample(index))
+            states += found.update(block.sample(index))
         except NotLevelledError:
-            assert not filtered.aligned
-    states += filtered.flush()
+            assert not found.aligned
+    states += found.flush()
     return StateBlock.of(states)
