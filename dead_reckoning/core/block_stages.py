@@ -25,6 +25,7 @@ from dead_reckoning.core.stages import (
     LEVELLED,
     ODOMETRY,
     STATIONARY,
+    RestOutput,
     StepOutputs,
     gravity_input,
     gravity_stage,
@@ -53,39 +54,44 @@ def gravity_block_stage(removal: GravityRemoval, mountings: Mountings = unmounte
     )
 
 
-def integrator_block_stage(integrator: Integrator, mountings: Mountings = unmounted) -> Stage:
+def integrator_block_stage(
+    integrator: Integrator, mountings: Mountings = unmounted, rest: RestOutput | None = None
+) -> Stage:
     """Give what `integrator_stage` gives, in blocks."""
     run = integrator_run(integrator, mountings)
     take = blockwise(integrator_stage(integrator, mountings), {LEVELLED: run})[LEVELLED]
-    said: bool | None = None
+    rests = rest or RestOutput()
 
     def integrate(block: LevelledBlock) -> list[Output]:
-        nonlocal said
         outputs = [(name, value) for name, value in take(block) if name != STATIONARY]
         for states in [value for name, value in outputs if name == ODOMETRY]:
-            outputs.extend(_changes(states, said))
-            said = bool(states.stationary[-1])
+            outputs.extend(_changes(states, rests))
         return outputs
 
     return {LEVELLED: integrate}
 
 
 def pedometer_block_stage(
-    pedometer: Pedometer, odometry: StepOdometry, mountings: Mountings = unmounted
+    pedometer: Pedometer,
+    odometry: StepOdometry,
+    mountings: Mountings = unmounted,
+    steps: StepOutputs | None = None,
 ) -> Stage:
     """Give what `pedometer_stage` gives, in blocks."""
-    says = StepOutputs(pedometer, odometry)
+    says = steps or StepOutputs(pedometer, odometry)
     run = pedometer_run(pedometer, odometry, says, mountings)
     stage = pedometer_stage(pedometer, odometry, mountings, says)
     return blockwise(stage, {pedometer.settings.input: run})
 
 
-def _changes(states: StateBlock, said: bool | None) -> list[Output]:
+def _changes(states: StateBlock, rest: RestOutput) -> list[Output]:
     rests = states.stationary
-    changed = np.flatnonzero(rests[1:] != rests[:-1]) + 1
-    if said is not rests[0].item():
-        changed = np.concatenate(([0], changed))
-    return [(STATIONARY, Stamped(int(states.stamp_ns[at]), bool(rests[at]))) for at in changed]
+    changed = [0, *(np.flatnonzero(rests[1:] != rests[:-1]) + 1).tolist()]
+    return [
+        (name, Stamped(int(states.stamp_ns[at]), value))
+        for at in changed
+        for name, value in rest.of(bool(rests[at]))
+    ]
 
 
 def _take(take: Callable[[Any], Iterable[Output]], run: Run | None, block: Any) -> list[Output]:

@@ -47,3 +47,10 @@ class Chain:
                     flow.append((FAULT, error))
         del flow[0]
         return flow
+
+    def take(self, name: str, data: bytes) -> list[Output] | None:
+        """Put in a message as its bytes; None says that it is for `push`, and nothing changed."""
+        return None
+
+    def settle(self) -> None:
+        """Let the estimators hold their state: someone looks at it, or is going to change it."""
