@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import gc
+import os
 import subprocess
 import sys
+from collections.abc import Callable
 from threading import Event, Thread
 
 from dead_reckoning.core.kernels import kept
+from dead_reckoning.core.kernels.columns import Array
 from dead_reckoning.core.kernels.live import take
 from dead_reckoning.core.kernels.memory import nothing
 from dead_reckoning.live import LiveChain
@@ -17,6 +21,9 @@ COMPILE = (
     'from dead_reckoning.core.kernels.live import take; '
     'from dead_reckoning.core.kernels.memory import nothing; take(nothing())'
 )
+
+QUICK = 0.0005
+"""How long [s] the traffic waits at most for Python, where that is loading; else it is 5 ms."""
 
 PATIENCE = 0.2
 """How often [s] to look whether the compiler is done, and so the longest that an end waits."""
@@ -29,12 +36,14 @@ def load(node: ChainNode, chain: LiveChain) -> None:
     a process that has the lowest priority; without a place to keep its work, or without numba, the
     chain goes on without a kernel.
     """
+    if os.environ.get('NUMBA_DISABLE_JIT', '0') != '0':
+        return  # numba would say so too, once its 20 MB are loaded
     ends = Event()
 
     def work() -> None:
-        chain.kernel = kept(take, nothing())
+        chain.kernel = _loaded()
         if chain.kernel is None and _compiled(ends):
-            chain.kernel = kept(take, nothing())
+            chain.kernel = _loaded()
 
     thread = Thread(target=work, name='loading')
 
@@ -44,6 +53,19 @@ def load(node: ChainNode, chain: LiveChain) -> None:
 
     node.at_end(close)
     thread.start()
+
+
+def _loaded() -> Callable[[Array], int] | None:
+    """Return the kernel if it is kept, and keep the traffic waiting as little as possible."""
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(QUICK)
+    gc.disable()  # hundreds of thousands of objects come, all of which stay
+    try:
+        return kept(take, nothing())
+    finally:
+        gc.freeze()
+        gc.enable()
+        sys.setswitchinterval(interval)
 
 
 def _compiled(ends: Event) -> bool:
