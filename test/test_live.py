@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from random_recordings import recording
+from random_recordings import LONG_GAP_NS, recording
 
 from dead_reckoning import live, wire
 from dead_reckoning.configuration import Configuration
@@ -252,6 +252,20 @@ def test_a_compass_beside_it(take):
     assert_same(found.outputs, expected.outputs)
     happens = traffic({**WALK, 'heard': True}, 4, seconds=20.0, odd=0.0)
     assert_same(driven(WALK, happens, take).outputs, driven(WALK, happens, None).outputs)
+
+
+def test_a_gap_may_wait_in_line(take):
+    values = CHAINS['along the orientation']
+    samples = recording(3, seconds=10.0, orientation=True, odd=0.0)
+    samples[500:] = [
+        dataclasses.replace(sample, stamp_ns=sample.stamp_ns + LONG_GAP_NS)
+        for sample in samples[500:]
+    ]
+    happens = [('message', IMU, wire.encode_imu(sample)) for sample in samples]
+    found, expected = driven(values, happens, take), driven(values, happens, None)
+    faults = [type(value).__name__ for name, value in found.outputs if name == FAULT]
+    assert faults == ['GapError', 'GapError']  # of the integrator at once, of the walk later
+    assert_same(found.outputs, expected.outputs)
 
 
 @pytest.mark.parametrize('kind', ['pedometer', 'pedometer and message'])
