@@ -49,7 +49,7 @@ def room_of(module: str) -> str:
     return parts[1] if len(parts) > 1 else ''
 
 
-BESIDE = {'configuration', 'tables', 'wire', 'block_wire', 'topics'}
+BESIDE = {'configuration', 'tables', 'wire', 'block_wire', 'topics', 'live'}
 """Modules beside the rooms, for all that is above core and sources."""
 
 ALLOWED_ROOMS = {
@@ -61,6 +61,7 @@ ALLOWED_ROOMS = {
     'wire': {'core'},
     'block_wire': {'core', 'wire'},
     'topics': {'core', 'wire', 'block_wire'},
+    'live': {'core', 'wire', 'block_wire'},
     'nodes': {'core', 'sources', 'nodes', *BESIDE},
     'tools': {'core', 'sources', 'tools', *BESIDE},
 }
@@ -86,6 +87,7 @@ def may_import(room: str, top: str, is_package: bool = False) -> bool:
         'wire': False,
         'block_wire': top in NUMERIC,
         'topics': False,
+        'live': top in NUMERIC,
         'nodes': top in NUMERIC,
         'tools': top not in ONE_MODULE_EACH,
     }[room]

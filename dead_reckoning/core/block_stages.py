@@ -30,6 +30,7 @@ from dead_reckoning.core.stages import (
     STATIONARY,
     STATISTIC,
     THRESHOLD,
+    RestOutput,
     StepOutputs,
     gravity_input,
     gravity_stage,
@@ -58,10 +59,13 @@ def gravity_block_stage(removal: GravityRemoval, mountings: Mountings = unmounte
     )
 
 
-def integrator_block_stage(integrator: Integrator, mountings: Mountings = unmounted) -> Stage:
+def integrator_block_stage(
+    integrator: Integrator, mountings: Mountings = unmounted, rest: RestOutput | None = None
+) -> Stage:
     """Give what `integrator_stage` gives, in blocks."""
     run = integrator_run(integrator, mountings)
-    return _with_rests(blockwise(integrator_stage(integrator, mountings), {LEVELLED: run}))
+    stage = blockwise(integrator_stage(integrator, mountings), {LEVELLED: run})
+    return _with_rests(stage, rest or RestOutput())
 
 
 def navigator_block_stage(
@@ -77,40 +81,43 @@ def navigator_block_stage(
         states = [value for name, value in stage[END](None) if name == ODOMETRY]
         return [(ODOMETRY, StateBlock.of(states))] if states else []
 
-    return _with_rests({**blockwise(stage, {navigator.settings.input: run}), END: end})
+    stages: Stage = {**blockwise(stage, {navigator.settings.input: run}), END: end}
+    return _with_rests(stages, RestOutput())
 
 
 def pedometer_block_stage(
-    pedometer: Pedometer, odometry: StepOdometry, mountings: Mountings = unmounted
+    pedometer: Pedometer,
+    odometry: StepOdometry,
+    mountings: Mountings = unmounted,
+    steps: StepOutputs | None = None,
 ) -> Stage:
     """Give what `pedometer_stage` gives, in blocks."""
-    says = StepOutputs(pedometer, odometry)
+    says = steps or StepOutputs(pedometer, odometry)
     run = pedometer_run(pedometer, odometry, says, mountings)
     stage = pedometer_stage(pedometer, odometry, mountings, says)
     return blockwise(stage, {pedometer.settings.input: run})
 
 
-def _with_rests(stage: Stage) -> Stage:
+def _with_rests(stage: Stage, rest: RestOutput) -> Stage:
     """Say when rest changed by the states of a stage, whichever way they came."""
-    said: bool | None = None
 
     def give(take: Callable[[Any], Iterable[Output]], value: Any) -> list[Output]:
-        nonlocal said
         outputs = [(n, v) for n, v in take(value) if n not in (STATIONARY, STATISTIC, THRESHOLD)]
         for states in [v for n, v in outputs if n == ODOMETRY]:
-            outputs.extend(_changes(states, said))
-            said = bool(states.stationary[-1])
+            outputs.extend(_changes(states, rest))
         return outputs
 
     return {name: partial(give, take) for name, take in stage.items()}
 
 
-def _changes(states: StateBlock, said: bool | None) -> list[Output]:
+def _changes(states: StateBlock, rest: RestOutput) -> list[Output]:
     rests = states.stationary
-    changed = np.flatnonzero(rests[1:] != rests[:-1]) + 1
-    if said is not rests[0].item():
-        changed = np.concatenate(([0], changed))
-    return [(STATIONARY, Stamped(int(states.stamp_ns[at]), bool(rests[at]))) for at in changed]
+    changed = [0, *(np.flatnonzero(rests[1:] != rests[:-1]) + 1).tolist()]
+    return [
+        (name, Stamped(int(states.stamp_ns[at]), value))
+        for at in changed
+        for name, value in rest.of(bool(rests[at]))
+    ]
 
 
 def _take(take: Callable[[Any], Iterable[Output]], run: Run | None, block: Any) -> list[Output]:

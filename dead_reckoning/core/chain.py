@@ -54,3 +54,10 @@ class Chain:
     def end(self) -> list[Output]:
         """Say that no more samples come; return what the stages had held back."""
         return self.push(END, None)
+
+    def take(self, name: str, data: bytes) -> list[Output] | None:
+        """Put in a message as its bytes; None says that it is for `push`, and nothing changed."""
+        return None
+
+    def settle(self) -> None:
+        """Let the estimators hold their state: someone looks at it, or is going to change it."""

@@ -12,6 +12,7 @@ from dead_reckoning.core.stamps import RESTART_NS
 
 SPACING_NS = NANOSECONDS // 50
 KEPT = 500
+LONG_AGO_NS = -(2**62)
 MINIMUM_LEVEL = 0.1
 """Sine of the angle to the vertical from which on the x axis points somewhere."""
 
@@ -74,10 +75,22 @@ class HeadingHistory:
         variance = self._variance if covariance == UNKNOWN else covariance[8]
         if not 0.0 <= variance <= LARGEST_VARIANCE:  # NaN too
             variance = self._variance
-        stamps.insert(at, stamp_ns)
-        self._headings.insert(at, Heading(stamp_ns, east / level, north / level, variance))
-        if len(stamps) > KEPT:
-            del stamps[0], self._headings[0]
+        self._insert(at, Heading(stamp_ns, east / level, north / level, variance))
+
+    @property
+    def newest_ns(self) -> int:
+        """Stamp of the newest heading; without one, before all others."""
+        return self._stamps[-1] if self._stamps else LONG_AGO_NS
+
+    def append(self, heading: Heading) -> None:
+        """Take a heading that is newer than the others, and far enough from them."""
+        self._insert(len(self._stamps), heading)
+
+    def _insert(self, at: int, heading: Heading) -> None:
+        self._stamps.insert(at, heading.stamp_ns)
+        self._headings.insert(at, heading)
+        if len(self._stamps) > KEPT:
+            del self._stamps[0], self._headings[0]
 
     def at(self, stamp_ns: int, within_ns: int) -> Heading | None:
         """Return the heading nearest to a stamp, or None if none is within that time [ns]."""

@@ -17,7 +17,7 @@ from dead_reckoning.core.parameters import Settings
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import matrix_from_quaternion, rotate
 from dead_reckoning.core.samples import NANOSECONDS, ZERO, ImuSample, NavigationState, Vector
-from dead_reckoning.core.stages import COMPASS, ODOMETRY, STATIONARY, STATISTIC, THRESHOLD
+from dead_reckoning.core.stages import COMPASS, ODOMETRY, STATISTIC, THRESHOLD, RestOutput
 
 
 class BodyStates:
@@ -97,16 +97,13 @@ def navigator_stage(
     brings the last of them.  What the detector goes by comes with them.
     """
     body = body or BodyStates(navigator, mountings)
-    said: bool | None = None
+    rests = RestOutput()
 
     def give(states: Iterable[NavigationState]) -> list[Output]:
-        nonlocal said
         outputs: list[Output] = []
         for state in states:
             outputs.append((ODOMETRY, body.of(state)))
-            if state.stationary is not said:
-                said = state.stationary
-                outputs.append((STATIONARY, said))
+            outputs.extend(rests.of(state.stationary))
         if outputs:
             outputs += [(STATISTIC, navigator.statistic), (THRESHOLD, navigator.threshold)]
         return outputs

@@ -26,6 +26,8 @@ from dead_reckoning.core.stages import (
     STATIONARY,
     STATISTIC,
     THRESHOLD,
+    RestOutput,
+    StepOutputs,
     gravity_input,
     gravity_inputs,
     gravity_stage,
@@ -126,6 +128,10 @@ class Pipeline:
         """Topics of samples on their way to the estimators."""
         self.outputs: tuple[str, ...] = ()
         """Topics of the estimators."""
+        self.rest = RestOutput()
+        """Says when the body rests."""
+        self.steps: StepOutputs | None = None
+        """Says what steps there were."""
         stages: list[Stage] = []
         gravity, pedometer = parts[GravitySettings], parts[PedometerSettings]
         counts = PEDOMETER in estimators
@@ -138,7 +144,7 @@ class Pipeline:
             self.between = (ACCELERATION,) if taken == IMU else (ACCELERATION, IMU)
         if INTEGRATOR in estimators:
             self.integrator = Integrator(parts[IntegratorSettings], common)
-            stages.append(make.integrator(self.integrator, mountings))
+            stages.append(make.integrator(self.integrator, mountings, self.rest))
             self.outputs += (ODOMETRY, STATIONARY)
         made = {IMU} if self.gravity is not None and taken != IMU else set()
         if NAVIGATOR in estimators:
@@ -157,17 +163,21 @@ class Pipeline:
         if counts:
             self.pedometer = Pedometer(pedometer, parts[pedometer.method_part])
             self.step_odometry = StepOdometry(pedometer, common)
-            stages.append(make.pedometer(self.pedometer, self.step_odometry, mountings))
+            self.steps = StepOutputs(self.pedometer, self.step_odometry)
+            stages.append(
+                make.pedometer(self.pedometer, self.step_odometry, mountings, self.steps)
+            )
             self.outputs += PEDOMETER_OUTPUTS
             inputs += [name for name in pedometer_inputs(pedometer) if name not in made]
         self.inputs = tuple(dict.fromkeys(inputs))
-        self.chain = Chain([*stages, *more])
+        self.stages: tuple[Stage, ...] = (*stages, *more)
+        self.chain = Chain(self.stages)
 
 
 class _Stages(NamedTuple):
     gravity: Callable[[GravityRemoval, Mountings], Stage]
-    integrator: Callable[[Integrator, Mountings], Stage]
-    pedometer: Callable[[Pedometer, StepOdometry, Mountings], Stage]
+    integrator: Callable[[Integrator, Mountings, RestOutput], Stage]
+    pedometer: Callable[[Pedometer, StepOdometry, Mountings, StepOutputs], Stage]
     navigator: Callable[[InertialNavigator, Mountings, BodyStates], Stage]
 
 

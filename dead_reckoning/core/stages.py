@@ -36,6 +36,9 @@ and what is new of them comes out."""
 LEVELLED = 'levelled'
 """No topic: what gravity removal made of a sample, acceleration and attitude together."""
 
+ODOMETRY_MESSAGE = 'odom as bytes'
+"""No topic: what `ODOMETRY` is, written already."""
+
 STEP = 'step'
 """No topic: the `PedometerState` of each step."""
 
@@ -125,12 +128,29 @@ def pairing_stage() -> Stage:
     return {ACCELERATION: take_acceleration, IMU: take_attitude}
 
 
-def integrator_stage(integrator: Integrator, mountings: Mountings = unmounted) -> Stage:
+class RestOutput:
+    """Say whether the body rests, when that changes."""
+
+    def __init__(self) -> None:
+        self._said: bool | None = None
+
+    def of(self, stationary: bool) -> list[Output]:
+        """Return what is new of it."""
+        if stationary is self._said:
+            return []
+        self._said = stationary
+        return [(STATIONARY, stationary)]
+
+
+def integrator_stage(
+    integrator: Integrator,
+    mountings: Mountings = unmounted,
+    rest: RestOutput | None = None,
+) -> Stage:
     """Take what gravity removal made; give the state of the body, and rest on change."""
-    said: bool | None = None
+    rests = rest or RestOutput()
 
     def integrate(levelled: Levelled) -> list[Output]:
-        nonlocal said
         outputs: list[Output] = []
         restarts, gaps = integrator.restarts, integrator.gaps
         mounting = mountings(levelled.imu.frame_id)
@@ -142,10 +162,7 @@ def integrator_stage(integrator: Integrator, mountings: Mountings = unmounted) -
         if integrator.gaps != gaps:
             outputs.append((FAULT, _gap(integrator.settings.max_gap)))
         outputs.append((ODOMETRY, state))
-        if state.stationary is not said:
-            said = state.stationary
-            outputs.append((STATIONARY, said))
-        return outputs
+        return outputs + rests.of(state.stationary)
 
     return {LEVELLED: integrate}
 

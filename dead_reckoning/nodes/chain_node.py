@@ -22,7 +22,7 @@ from dead_reckoning.core.chain import FAULT, NOTICE, Chain, Output
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import SettingsError, WireError
 from dead_reckoning.core.parameters import Settings
-from dead_reckoning.core.stages import ODOMETRY
+from dead_reckoning.core.stages import ODOMETRY, ODOMETRY_MESSAGE
 from dead_reckoning.nodes import parameters
 from dead_reckoning.nodes.diagnostics import Diagnostics, Finding
 from dead_reckoning.nodes.services import DeferredServices
@@ -58,6 +58,8 @@ class ChainNode(Node):
         """Done once the node has done what it was asked for and wants to end."""
         self._chain = Chain([])
         self._writers: dict[str, Callable[[Any], None]] = {}
+        self._demand: dict[str, int] = {}
+        self._demanded = False
         self._figures: list[Callable[[], Mapping[str, object]]] = []
         self._closings: list[Callable[[], None]] = []
         self._topic_watch = TopicWatch(self, self.common.input_timeout)
@@ -92,16 +94,24 @@ class ChainNode(Node):
         self._chain = chain
         for name in outputs:
             topic = self._topics[name]
+            matched = partial(self._match, name) if name in on_demand else None
             publisher = self.create_publisher(
                 message_class(topic),
                 name,
                 publisher_qos(topic.latched),
-                event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+                # `_topic_watch` says more than rclpy's own callbacks.
+                event_callbacks=PublisherEventCallbacks(
+                    matched=matched, use_default_callbacks=False
+                ),
                 qos_overriding_options=QoSOverridingOptions.with_default_policies(),
             )
-            self._topic_watch.add_output(name)  # it says more than rclpy's own callbacks
-            write = _write_on_demand if name in on_demand else _write
-            self._writers[name] = partial(write, publisher, topic.encode)
+            self._topic_watch.add_output(name)
+            self._writers[name] = partial(_write, publisher, topic.encode)
+            if matched is not None:
+                self._demand[name] = 0
+                self._writers[name] = partial(self._write_on_demand, name, self._writers[name])
+            elif name == ODOMETRY:
+                self._writers[ODOMETRY_MESSAGE] = publisher.publish
         if self.frames.publish_tf and ODOMETRY in self._writers:
             self._writers[ODOMETRY] = _both(
                 self._writers[ODOMETRY], transform_sender(self, self.frames)
@@ -121,11 +131,17 @@ class ChainNode(Node):
 
     def offer(self, name: str, begin: Callable[[], Future[str] | str]) -> None:
         """Offer the Trigger service ``~/name``; see `DeferredServices.add`."""
-        self._services_offered.add(name, Trigger, lambda _: begin())
+        self._services_offered.add(name, Trigger, lambda _: self._settled(begin))
 
     def offer_switch(self, name: str, begin: Callable[[bool], Future[str] | str]) -> None:
         """Offer the SetBool service ``~/name``; ``begin`` takes what it is set to."""
-        self._services_offered.add(name, SetBool, lambda request: begin(request.data))
+        self._services_offered.add(
+            name, SetBool, lambda request: self._settled(begin, request.data)
+        )
+
+    def follow(self, settings: Settings, apply: Callable[[Any], None]) -> None:
+        """Hand changed settings to ``apply``; see `parameters.follow_changes`."""
+        parameters.follow_changes(self, settings, partial(self._settled, apply))
 
     def show(self, figures: Callable[[], Mapping[str, object]]) -> None:
         """Add figures to what /diagnostics shows."""
@@ -171,12 +187,30 @@ class ChainNode(Node):
     def _receive(self, watched: Input, decode: Callable[[bytes], Any], data: bytes) -> None:
         watched.arrive()
         self.diagnostics.samples += 1
+        if not (self._demanded or self.finished.done()):
+            flow = self._chain.take(watched.name, data)
+            if flow is not None:
+                self._put_out(flow)
+                return
         try:
             sample = decode(data)
         except WireError as error:
             self.diagnostics.fault(error)
             return
         self.push(watched.name, sample)
+
+    def _settled(self, do: Callable[..., Any], *arguments: Any) -> Any:
+        """Do what needs the estimators as they are now."""
+        self._chain.settle()
+        return do(*arguments)
+
+    def _match(self, name: str, matched: Any) -> None:
+        self._demand[name] = matched.current_count
+        self._demanded = any(self._demand.values())
+
+    def _write_on_demand(self, name: str, write: Callable[[Any], None], value: Any) -> None:
+        if self._demand[name]:
+            write(value)
 
     def _put_out(self, flow: Iterable[Output]) -> None:
         for name, value in flow:
@@ -195,16 +229,12 @@ class ChainNode(Node):
         return (finding for findings in self._watches for finding in findings())
 
     def _all_figures(self) -> Mapping[str, object]:
+        self._chain.settle()
         return {key: value for figures in self._figures for key, value in figures().items()}
 
 
 def _write(publisher: Publisher, encode: Callable[[Any], bytes], value: Any) -> None:
     publisher.publish(encode(value))
-
-
-def _write_on_demand(publisher: Publisher, encode: Callable[[Any], bytes], value: Any) -> None:
-    if publisher.get_subscription_count():
-        publisher.publish(encode(value))
 
 
 def _both(first: Callable[[Any], None], second: Callable[[Any], None]) -> Callable[[Any], None]:

@@ -13,7 +13,6 @@ from dead_reckoning.core.stages import (
     integrator_stage,
     pairing_stage,
 )
-from dead_reckoning.nodes import parameters
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.transforms import mountings
 
@@ -41,7 +40,7 @@ def serve(node: ChainNode, integrator: Integrator) -> None:
 
     node.offer('reset', reset)
     node.offer('calibrate', integrator.calibrate)
-    parameters.follow_changes(node, integrator.settings, integrator.configure)
+    node.follow(integrator.settings, integrator.configure)
 
 
 NODE = IntegratorNode

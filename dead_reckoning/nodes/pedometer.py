@@ -16,7 +16,6 @@ from dead_reckoning.core.stages import (
     pedometer_stage,
 )
 from dead_reckoning.core.step_odometry import StepOdometry
-from dead_reckoning.nodes import parameters
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.transforms import mountings
 
@@ -86,9 +85,9 @@ def serve(
     node.offer('stop', stop)
     node.offer('reset', reset)
     node.offer_switch(calibrate, calibrate_length)
-    parameters.follow_changes(node, pedometer.settings, configure)
+    node.follow(pedometer.settings, configure)
     method_settings = node.configuration[pedometer.settings.method_part]
-    parameters.follow_changes(node, method_settings, pedometer.configure_method)
+    node.follow(method_settings, pedometer.configure_method)
     node.show(lambda: figures(pedometer))
 
 

@@ -11,9 +11,11 @@ from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.stages import COMPASS
+from dead_reckoning.live import LiveChain, suits
 from dead_reckoning.nodes import gravity_removal, inertial_navigator, integrator, pedometer
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.driver import driver_of
+from dead_reckoning.nodes.loading import load
 from dead_reckoning.nodes.transforms import mountings
 from dead_reckoning.tables import OdometryLog, stop_after
 
@@ -39,8 +41,13 @@ class PipelineNode(ChainNode):
         driver = None if from_topic else driver_of(self.configuration)
         if driver is not None:
             between += driver.outputs
+        chain = pipeline.chain
+        if suits(pipeline, self.configuration):
+            chain = live = LiveChain(pipeline, self.frames)
+            self.show(lambda: {'compiled': live.taken})
+            load(self, live)
         self.connect(
-            pipeline.chain,
+            chain,
             inputs=inputs,
             outputs=(*pipeline.outputs, *between),
             on_demand=between,

@@ -16,6 +16,8 @@ from dead_reckoning.core.blocks import ImuBlock
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import NotLevelledError
 from dead_reckoning.core.kernels import SLOW, accelerated
+from dead_reckoning.core.kernels.live import take
+from dead_reckoning.core.kernels.memory import nothing
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
 from dead_reckoning.core.pipeline import Pipeline
@@ -46,12 +48,16 @@ def main(given: argparse.Namespace) -> int:
 
 
 def warm_up() -> None:
-    """Take each chain through two seconds of rest, which compiles what is not kept yet."""
+    """Take each chain through two seconds of rest, which compiles what is not kept yet.
+
+    What live chains use has a compiled function of its own.
+    """
     block = rest(200)
     for values in CHAINS:
         pipeline = Pipeline(Configuration(values), blocks=True)
         for name in pipeline.inputs[:1]:
             pipeline.chain.push(name, block)
+    take(nothing())
     for detector in stationarity.names():
         navigate(NavigatorSettings(detector=(detector,)), block)
 

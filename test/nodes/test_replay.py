@@ -6,10 +6,12 @@ import yaml
 from messages import GRAVITY, NANOSECONDS, START_NS, Feed, imu_message, realistic_samples
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
-from ros_harness import lossless
+from ros_harness import figures, lossless
 from rosbags.rosbag2 import Reader
 from sensor_msgs.msg import Imu
 
+from dead_reckoning.core.kernels.live import take
+from dead_reckoning.core.kernels.memory import nothing
 from dead_reckoning.sources.bags import BagWriter
 from dead_reckoning.tools.main import main
 
@@ -18,16 +20,30 @@ WARM_UP_NS = START_NS + 1_000 * NANOSECONDS
 """Stamps before the recording; the step back makes the node start anew."""
 
 
+LEVER_ARM = {'frames.mounting_translation': [0.3, -0.1, 0.2]}
+
+CASES = {
+    'compiled': {
+        'pipeline.estimators': ['integrator', 'pedometer'],
+        'pedometer.input': 'imu/data',
+    },
+    'stream': LEVER_ARM,
+    'kalman': {**LEVER_ARM, 'integrator.method': 'kalman'},
+}
+
+
 @pytest.mark.parametrize('attitude', TOPICS)
-@pytest.mark.parametrize('method', ['trapezoid', 'kalman'])
-def test_live_and_replay_give_the_same_odometry(ros, tmp_path, attitude, method):
+@pytest.mark.parametrize('case', CASES)
+def test_live_and_replay_give_the_same_odometry(ros, tmp_path, attitude, case):
     topic = TOPICS[attitude]
     settings = {
         'gravity.attitude': attitude,
-        'integrator.method': method,
         'integrator.window_maximum': 0.07,
-        'frames.mounting_translation': [0.3, -0.1, 0.2],
+        **CASES[case],
     }
+    if case == 'compiled':
+        pytest.importorskip('numba')
+        take(nothing())  # so that it is kept, and the node finds it
     messages = [serialize_message(message) for message in realistic_samples()]
 
     ros.start('pipeline', {**settings, **lossless(f'/{topic}', '/odom')})
@@ -42,6 +58,10 @@ def test_live_and_replay_give_the_same_odometry(ros, tmp_path, attitude, method)
         start_ns=WARM_UP_NS,
     )
     warm_up.send_until(lambda: live.messages, 'odometry')
+    said = ros.diagnostics()
+    if case == 'compiled':
+        warm_up.send_until(lambda: said.of('pipeline') and taken(said) > 0, 'compiled code')
+    before = latest(ros, said) if case == 'compiled' else 0
     for message in messages:
         publisher.publish(message)
 
@@ -69,3 +89,16 @@ def test_live_and_replay_give_the_same_odometry(ros, tmp_path, attitude, method)
         rtol=1e-9,
         atol=1e-9,
     )
+    if case == 'compiled':
+        assert latest(ros, said) - before > 0.2 * len(messages)
+
+
+def latest(ros, said):
+    """Wait for the next figures; return how many messages went through compiled code."""
+    count = len(said.of('pipeline'))
+    ros.until(lambda: len(said.of('pipeline')) > count, 'figures')
+    return taken(said)
+
+
+def taken(said):
+    return int(figures(said.of('pipeline')[-1])['compiled'])

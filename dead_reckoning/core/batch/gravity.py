@@ -20,6 +20,7 @@ from dead_reckoning.core.kernels.gravity import LevelledColumns, level_held, lev
 from dead_reckoning.core.mounting import Mountings, is_turned
 from dead_reckoning.core.rest import RestWindow
 from dead_reckoning.core.rotation import isotropic
+from dead_reckoning.core.samples import Quaternion
 from dead_reckoning.core.stages import ACCELERATION, IMU, LEVELLED
 
 
@@ -32,14 +33,8 @@ def level_run(removal: GravityRemoval, mountings: Mountings) -> Run:
     source = removal._attitude
 
     def run(block: ImuBlock, begin: int) -> tuple[int, list[Output]]:
-        last_ns = removal._timeline._last_ns
-        if (
-            last_ns is None
-            or removal._search is not None
-            or removal._compass._last is not None
-            or removal._stale
-            or is_turned(mountings, block.frame_id)
-        ):
+        last_ns = regular_since(removal)
+        if last_ns is None or is_turned(mountings, block.frame_id):
             return NOTHING
         if isinstance(source, MessageAttitude):
             levelled = _level_message(removal, source, block, begin, last_ns)
@@ -56,6 +51,18 @@ def level_run(removal: GravityRemoval, mountings: Mountings) -> Run:
         return len(levelled), outputs
 
     return run
+
+
+def regular_since(removal: GravityRemoval) -> int | None:
+    """Return the last stamp [ns] if it looks for no rest and has no compass."""
+    if removal._search is not None or removal._compass._last is not None or removal._stale:
+        return None
+    return removal._timeline._last_ns
+
+
+def held(source: HeldAttitude) -> Quaternion | None:
+    """Return the attitude that is held, once it is known and as long as it stays."""
+    return source.attitude if source._yaw is None else None
 
 
 def _level_message(
@@ -75,13 +82,13 @@ def _level_held(
     removal: GravityRemoval, source: HeldAttitude, block: ImuBlock, begin: int, last_ns: int
 ) -> LevelledBlock:
     out, gravity = _room(block, begin), (removal.gravity, removal._gravity_variance)
-    end = begin
-    if source.attitude is not None and source._yaw is None:
+    end, attitude = begin, held(source)
+    if attitude is not None:
         end = level_held(
             imu_columns(block),
             begin,
             last_ns,
-            source.attitude,
+            attitude,
             source.covariance,
             gravity,
             removal._noise,

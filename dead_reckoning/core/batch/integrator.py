@@ -11,7 +11,6 @@ from dead_reckoning.core.batch import NOTHING, Run, first
 from dead_reckoning.core.bias_growth import BiasGrowth
 from dead_reckoning.core.blocks import Array, LevelledBlock, StateBlock
 from dead_reckoning.core.chain import Output
-from dead_reckoning.core.integration.euler import Euler
 from dead_reckoning.core.integration.open_loop import OpenLoop
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.kernels.bias_growth import Growth
@@ -35,18 +34,14 @@ def integrator_run(integrator: Integrator, mountings: Mountings) -> Run:
     """
 
     def run(block: LevelledBlock, begin: int) -> tuple[int, list[Output]]:
-        way, last_ns = integrator._integration, integrator._timeline._last_ns
-        if last_ns is None or integrator._window is not None or not isinstance(way, OpenLoop):
-            return NOTHING
-        if not isinstance(way._growth, BiasGrowth):
+        last_ns, parts = regular_since(integrator), parts_of(integrator)
+        if last_ns is None or parts is None:
             return NOTHING
         frame_id = block.imu.frame_id
         if is_turned(mountings, frame_id) or mountings(frame_id).translation != ZERO:
             return NOTHING
-        if len(integrator._movement_end._recent) > integrator.settings.movement_end_samples:
-            return NOTHING
-        rules = _rules(integrator, way)
-        motion, growth = _motion(integrator, way), _growth(way._growth)
+        way, grown = parts
+        rules, motion, growth = rules_of(integrator), motion_of(integrator, way), growth_of(grown)
         out = _room(len(block) - begin)
         end = integrate(
             imu_columns(block.imu),
@@ -62,8 +57,8 @@ def integrator_run(integrator: Integrator, mountings: Mountings) -> Run:
         if end == begin:
             return NOTHING
         integrator._timeline._last_ns = int(block.stamp_ns[end - 1])
-        _leave_motion(integrator, way, motion)
-        _leave_growth(way._growth, growth)
+        leave_motion(integrator, way, motion)
+        leave_growth(grown, growth)
         columns: list[Any] = [first(column, end - begin) for column in out]
         return end - begin, [(ODOMETRY, StateBlock(block.stamp_ns[begin:end], *columns))]
 
@@ -80,10 +75,25 @@ def _room(count: int) -> StateColumns:
     )
 
 
-def _rules(integrator: Integrator, way: OpenLoop) -> Rules:
+def parts_of(integrator: Integrator) -> tuple[OpenLoop, BiasGrowth] | None:
+    """Return method and covariance of an integrator, if there are kernels for them."""
+    way = integrator._integration
+    if isinstance(way, OpenLoop) and isinstance(way._growth, BiasGrowth):
+        return way, way._growth
+    return None
+
+
+def regular_since(integrator: Integrator) -> int | None:
+    """Return the last stamp [ns] unless it calibrates."""
+    many = len(integrator._movement_end._recent) > integrator.settings.movement_end_samples
+    return None if many or integrator._window is not None else integrator._timeline._last_ns
+
+
+def rules_of(integrator: Integrator) -> Rules:
+    """Return the settings of an integrator."""
     settings = integrator.settings
     return Rules(
-        isinstance(way, Euler),
+        settings.method == 'euler',
         settings.movement_end != 'off',
         settings.movement_end == 'each',
         np.array([axis in integrator._axes for axis in range(3)]),
@@ -99,7 +109,8 @@ def _rules(integrator: Integrator, way: OpenLoop) -> Rules:
     )
 
 
-def _motion(integrator: Integrator, way: OpenLoop) -> Motion:
+def motion_of(integrator: Integrator, way: OpenLoop) -> Motion:
+    """Return the state of an integrator."""
     movement_end = integrator._movement_end
     count = len(movement_end._recent)
     recent = np.empty((integrator.settings.movement_end_samples, 3))
@@ -118,7 +129,8 @@ def _motion(integrator: Integrator, way: OpenLoop) -> Motion:
     )
 
 
-def _leave_motion(integrator: Integrator, way: OpenLoop, motion: Motion) -> None:
+def leave_motion(integrator: Integrator, way: OpenLoop, motion: Motion) -> None:
+    """Carry the state back."""
     way.position, way.velocity = _tuple(motion.position), _tuple(motion.velocity)
     way._acceleration = _tuple(motion.acceleration)
     integrator._stationary = bool(motion.stationary[0])
@@ -135,7 +147,8 @@ def _tuple(array: Array) -> Vector:
     return x, y, z
 
 
-def _growth(growth: BiasGrowth) -> Growth:
+def growth_of(growth: BiasGrowth) -> Growth:
+    """Return the state of a covariance."""
     return Growth(
         growth._sensitivity[:3],
         growth._sensitivity[3:],
@@ -148,7 +161,9 @@ def _growth(growth: BiasGrowth) -> Growth:
     )
 
 
-def _leave_growth(growth: BiasGrowth, left: Growth) -> None:
+def leave_growth(growth: BiasGrowth, left: Growth) -> None:
+    """Carry the state back."""
+    growth._sensitivity[:3], growth._sensitivity[3:] = left.position, left.velocity
     growth._pp, growth._pv, growth._vv = left.white.tolist()
     growth._sigma[:3, :3] = left.attitude.reshape(3, 3)
     growth._sigma[3, 3] = left.gravity_variance[0]

@@ -9,8 +9,8 @@ import numpy as np
 from dead_reckoning.core.batch import NOTHING, Run
 from dead_reckoning.core.blocks import ImuBlock, Stamped
 from dead_reckoning.core.chain import Output
-from dead_reckoning.core.headings import KEPT, Heading, HeadingHistory
-from dead_reckoning.core.kernels.columns import imu_columns
+from dead_reckoning.core.headings import Heading, HeadingHistory
+from dead_reckoning.core.kernels.columns import imu_columns, in_one_piece
 from dead_reckoning.core.kernels.headings import HeadingColumns, find_headings
 from dead_reckoning.core.kernels.resampler import Cells, resample
 from dead_reckoning.core.mounting import Mountings, is_turned
@@ -22,8 +22,6 @@ from dead_reckoning.core.step_odometry import StepOdometry
 ROOM = 1000
 """Cells beyond one for each sample that a run has room for."""
 
-LONG_AGO_NS = -(2**62)
-
 
 def pedometer_run(
     pedometer: Pedometer, odometry: StepOdometry, says: StepOutputs, mountings: Mountings
@@ -34,11 +32,11 @@ def pedometer_run(
     """
 
     def run(block: ImuBlock, begin: int) -> tuple[int, list[Output]]:
-        order, resampler = pedometer._order, pedometer._resampler
-        newest_ns, waiting = order._newest_ns, len(order._stamps)
-        if not pedometer.running or newest_ns is None or resampler._last_ns is None:
+        newest_ns = regular_since(pedometer)
+        if newest_ns is None:
             return NOTHING
-        headings = _Headings(odometry)
+        order, headings = pedometer._order, _Headings(odometry)
+        waiting = len(order._stamps)
         if headings.last_ns > newest_ns or is_turned(mountings, block.frame_id):
             return NOTHING
         limit = headings.find(block, begin)
@@ -48,14 +46,12 @@ def pedometer_run(
         forces[waiting:] = block.specific_force[begin:limit]
         if waiting:
             forces[:waiting] = order._samples
-        covariances = np.zeros((len(stamps), 1))
-        covariances[waiting:] = block.specific_force_covariance[begin:limit, :1]
-        cells = _cells(pedometer, len(stamps) + ROOM)
+        cells = cells_of(pedometer, len(stamps) + ROOM)
         max_gap_ns = pedometer.settings.max_gap * NANOSECONDS
         end, released, made = resample(
             stamps,
             forces,
-            covariances,
+            in_one_piece(block.specific_force_covariance[begin:limit]),
             waiting,
             newest_ns,
             order._hold_ns,
@@ -68,9 +64,7 @@ def pedometer_run(
         order._newest_ns = int(stamps[end - 1])
         order._stamps = stamps[released:end].tolist()
         order._samples = [(x, y, z) for x, y, z in forces[released:end].tolist()]
-        if released:
-            order._handed_ns = pedometer._last_ns = int(stamps[released - 1])
-        _leave(pedometer, cells)
+        leave_cells(pedometer, cells)
         outputs: list[Output] = []
         columns = (cells.stamp_ns[:made], cells.magnitude[:made], cells.by[:made])
         for cell_ns, magnitude, by in zip(*(c.tolist() for c in columns), strict=True):
@@ -86,7 +80,14 @@ def pedometer_run(
     return run
 
 
-def _cells(pedometer: Pedometer, room: int) -> Cells:
+def regular_since(pedometer: Pedometer) -> int | None:
+    """Return the newest stamp [ns] if it counts, and has begun to."""
+    begun = pedometer.running and pedometer._resampler._last_ns is not None
+    return pedometer._order._newest_ns if begun else None
+
+
+def cells_of(pedometer: Pedometer, room: int) -> Cells:
+    """Return the state of the resampler of a pedometer, and room for cells."""
     resampler = pedometer._resampler
     grid = (
         resampler._rate,
@@ -106,9 +107,11 @@ def _cells(pedometer: Pedometer, room: int) -> Cells:
     )
 
 
-def _leave(pedometer: Pedometer, cells: Cells) -> None:
+def leave_cells(pedometer: Pedometer, cells: Cells) -> None:
+    """Carry the state back."""
     resampler = pedometer._resampler
     _, _, resampler._cell, resampler._end_ns, resampler._last_ns = cells.grid.tolist()
+    pedometer._last_ns = pedometer._order._handed_ns = resampler._last_ns
     x, y, z = cells.last.tolist()
     ax, ay, az = cells.area.tolist()
     resampler._last, resampler._area = (x, y, z), (ax, ay, az)
@@ -120,8 +123,7 @@ class _Headings:
     def __init__(self, odometry: StepOdometry) -> None:
         self._asked = odometry.settings.heading
         self._history: HeadingHistory = odometry._orientation
-        stamps = self._history._stamps
-        self.last_ns = stamps[-1] if stamps else LONG_AGO_NS
+        self.last_ns = self._history.newest_ns
         self._found: deque[tuple[int, Heading]] = deque()
 
     def find(self, block: ImuBlock, begin: int) -> int:
@@ -148,7 +150,4 @@ class _Headings:
         """Hand on those of the rows up to one."""
         history = self._history
         while self._found and self._found[0][0] <= row:
-            _, heading = self._found.popleft()
-            history._stamps.append(heading.stamp_ns)
-            history._headings.append(heading)
-        del history._stamps[:-KEPT], history._headings[:-KEPT]
+            history.append(self._found.popleft()[1])

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache, wraps
+from inspect import unwrap
 from types import FunctionType
 from typing import Any, TypeVar
 
@@ -60,6 +61,19 @@ def compiled(function: Kernel) -> Kernel:
     return call  # type: ignore[return-value]
 
 
+def kept(function: Kernel, *arguments: Any) -> Kernel | None:
+    """Return a kernel for such arguments as an earlier run has kept it; None: not compiled yet."""
+    if not accelerated():
+        return None
+    dispatcher: Any = _kept(unwrap(function))
+    signature = tuple(map(_numba().typeof, arguments))
+    code = dispatcher._cache.load_overload(signature, dispatcher.targetctx)
+    if code is None:
+        return None
+    dispatcher.add_overload(code)
+    return dispatcher  # type: ignore[no-any-return]
+
+
 def _kept(function: Any) -> Callable[..., Any]:
     """Compile a function and keep what comes of it for the next run, where that is possible."""
     from numba.core.caching import FunctionCache
@@ -93,8 +107,10 @@ def _closed(function: Any) -> tuple[Any, str]:
     for name in code.co_names:
         value = names.get(name)
         if isinstance(value, FunctionType) and value.__module__.startswith(PACKAGE):
-            names[name], inner = _callee(value)
+            names[name], inner = _callee(unwrap(value))  # another kernel is a function like others
             meaning.append(inner)
+        elif isinstance(value, type) and issubclass(value, tuple):
+            meaning.append(f'{name} = {getattr(value, "_fields", ())}')
         elif isinstance(value, int | float | tuple):
             meaning.append(f'{name} = {value!r}')
     return FunctionType(code, names, function.__name__), '\n'.join(meaning)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from dead_reckoning.core.checks import is_measurable
 from dead_reckoning.core.kernels import compiled
-from dead_reckoning.core.kernels.columns import Array, Stamps, put, triple, vector
+from dead_reckoning.core.kernels.columns import Array, Stamps, measured, put, triple, vector
 from dead_reckoning.core.samples import NANOSECONDS
 
 
@@ -50,8 +50,9 @@ def resample(
     """Take rows from ``waiting`` on, and write what cells they complete.
 
     Returns the ends of what is regular and of what was released, and the number of cells.  The
-    rows before wait already, and those that come wait too, until the newest stamp is ``hold_ns``
-    ahead or ``limit`` are behind them (`StampOrder`); ``newest_ns`` is the newest at the start.
+    rows before wait already, and those that come, whose first is row 0 of ``covariances``, wait
+    too, until the newest stamp is ``hold_ns`` ahead or ``limit`` are behind them (`StampOrder`);
+    ``newest_ns`` is the newest at the start.
     Irregular is what is refused or out of order, and a gap over ``max_gap_ns`` in the released.
     """
     released = made = 0
@@ -60,7 +61,7 @@ def resample(
         if not (
             stamp_ns > newest_ns
             and stamp_ns != 0
-            and not covariances[i, 0] < 0.0
+            and measured(covariances, i - waiting)
             and is_measurable(vector(forces, i))
         ):
             return i, released, made

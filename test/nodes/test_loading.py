@@ -1,0 +1,105 @@
+"""Compiled code comes in beside the traffic, and nothing waits for it."""
+
+import signal
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from geometry_msgs.msg import AccelWithCovarianceStamped
+from messages import GRAVITY, NANOSECONDS, Feed, imu_message
+from nav_msgs.msg import Odometry
+from ros_harness import figures, lossless
+from sensor_msgs.msg import Imu
+
+from dead_reckoning.core.kernels.live import take
+from dead_reckoning.core.kernels.memory import nothing
+from dead_reckoning.nodes.loading import COMPILE
+
+SETTINGS = {
+    'gravity.attitude': 'message',
+    'pipeline.estimators': ['integrator', 'pedometer'],
+    'pedometer.input': 'imu/data',
+}
+
+
+@pytest.fixture
+def running(ros):
+    """A pipeline that gets samples at rest, and what it says."""
+    node = ros.start('pipeline', {**SETTINGS, **lossless('/odom', '/imu/data')})
+    odom, said = ros.record('odom', Odometry).connected(), ros.diagnostics()
+    publisher = ros.publisher('imu/data', Imu)
+    feed = Feed(
+        ros,
+        lambda stamp_ns, push=0.0: publisher.publish(
+            imu_message(stamp_ns, (push, 0.0, GRAVITY), (0.0, 0.0, 0.0, 1.0))
+        ),
+    )
+    feed.send_until(lambda: odom.messages, 'odometry')
+    return node, odom, said, feed
+
+
+def taken(said):
+    """Return how many messages went through compiled code, as /diagnostics last said."""
+    return int(figures(said.of('pipeline')[-1])['compiled']) if said.of('pipeline') else 0
+
+
+def test_services_and_parameters_act_on_what_compiled_code_has_reached(ros, running):
+    pytest.importorskip('numba')
+    take(nothing())
+    _, odom, said, feed = running
+    feed.send_until(lambda: taken(said) > 100, 'compiled code')
+    begun = odom.messages[-1].pose.pose.position.x
+    for _ in range(200):
+        feed.send(1.0)
+    ros.until(lambda: odom.latest_stamp == feed.stamp_ns, 'the last odometry')
+    moved = odom.messages[-1]
+    assert moved.pose.pose.position.x == pytest.approx(begun + 0.5, rel=0.02)
+    assert moved.twist.twist.linear.x == pytest.approx(1.0, rel=0.02)
+
+    (result,) = ros.set('pipeline', integrator__window_maximum=2.0)
+    assert result.successful
+    for _ in range(200):
+        feed.send(1.0)  # inside the window now, so the speed stays until the movement ends
+    ros.until(lambda: odom.latest_stamp == feed.stamp_ns, 'the last odometry')
+    assert odom.messages[-1].twist.twist.linear.x == 0.0
+
+    assert ros.trigger('pipeline/reset').success
+    feed.send()
+    ros.until(lambda: odom.latest_stamp == feed.stamp_ns, 'the first odometry after the reset')
+    assert odom.messages[-1].pose.pose.position.x == 0.0
+
+
+def test_a_subscriber_between_gets_its_topic_and_the_odometry_goes_on(ros, running):
+    pytest.importorskip('numba')
+    take(nothing())
+    _, odom, said, feed = running
+    feed.send_until(lambda: taken(said) > 0, 'compiled code')
+    between = ros.record('imu/linear_acceleration', AccelWithCovarianceStamped)
+    feed.send_until(lambda: between.messages, 'what lies between')
+    between.stop()
+    count = taken(said)
+    feed.send_until(lambda: taken(said) > count + 100, 'compiled code again')
+    ros.until(lambda: odom.latest_stamp == feed.stamp_ns, 'the last odometry')
+    steps = {b - a for a, b in pairwise(odom.stamps)}
+    assert steps == {NANOSECONDS // 200}
+
+
+def test_where_nothing_is_kept_it_starts_at_once_and_ends_while_compiling(
+    ros, tmp_path, monkeypatch, request
+):
+    pytest.importorskip('numba')
+    monkeypatch.setenv('NUMBA_CACHE_DIR', str(tmp_path / 'empty'))
+    node, _, said, feed = request.getfixturevalue('running')
+
+    def compilers():
+        children = Path(f'/proc/{node.process.pid}/task').glob('*/children')
+        return [Path(f'/proc/{pid}') for each in children for pid in each.read_text().split()]
+
+    feed.send_until(compilers, 'the compiler')
+    feed.send_until(lambda: said.of('pipeline'), 'figures')
+    assert taken(said) == 0
+    (compiler,) = compilers()
+    assert COMPILE.encode() in (compiler / 'cmdline').read_bytes()
+    assert node.end(signal.SIGINT) == 0
+    assert 'Traceback' not in node.stderr
+    assert not compiler.exists()
