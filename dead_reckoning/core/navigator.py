@@ -1,9 +1,10 @@
-"""Navigate by inertia: strapdown, corrected by what is known while the body rests."""
+"""Navigate by inertia: strapdown, corrected by what is known of the motion."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from concurrent.futures import Future
 from itertools import pairwise
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 from dead_reckoning.core.blocks import Array, Stamps, StateBlock
 from dead_reckoning.core.checks import require_covariances, require_force, require_rate
 from dead_reckoning.core.common import CommonSettings
+from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.errors import (
     DeadReckoningError,
     GapError,
@@ -19,57 +21,60 @@ from dead_reckoning.core.errors import (
     MissingRateError,
     NotAtRestError,
     NotLevelledError,
+    StaleCompassError,
+    SupersededError,
 )
-from dead_reckoning.core.kernels import navigator as kernel
-from dead_reckoning.core.kernels.strapdown import (
-    ATTITUDE,
-    ERRORS,
-    FLOOR,
-    FORCE_BIAS,
-    RATE_BIAS,
-    VELOCITY,
+from dead_reckoning.core.kernels.navigation import layout
+from dead_reckoning.core.kernels.navigation.filter import navigate
+from dead_reckoning.core.navigation.aids import NO_AIDS, Aids
+from dead_reckoning.core.navigation.alignment import (
+    KNOWN,
+    Alignment,
+    Rest,
+    first_state,
+    rules_of,
+    said,
 )
+from dead_reckoning.core.navigation.detection import detector_of
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.parameters import Settings
 from dead_reckoning.core.rest import check_gravity, level_variances
 from dead_reckoning.core.rest_search import RestSearch, Stillness
-from dead_reckoning.core.rotation import euler_from_gravity, quaternion_from_euler
 from dead_reckoning.core.samples import NANOSECONDS, UNKNOWN, ImuSample, NavigationState
 from dead_reckoning.core.stamps import Timeline
-from dead_reckoning.core.stationarity import STATIONARY, Watch, detector_class
+from dead_reckoning.core.stationarity import STATIONARY
 from dead_reckoning.core.strides import Strides
+from dead_reckoning.core.work import Work
 
-KNOWN = 1e-10
-"""Variance of what is zero by definition at the start: position and yaw [m², rad²]."""
+LEVEL_FLOOR = 1e-3
+"""One sigma of the force at a rest that nothing shows better [m/s²]."""
 
-AT_REST = 1e-4
-"""Variance of the velocity at the start [m²/s²]."""
-
-NO_TRACE = np.empty((0, kernel.TRACE_ROW))
-NO_LOG = np.empty((0, kernel.LOG_ROW))
+NO_STAMPS = np.empty(0, np.int64)
+NO_TRACE = np.empty((0, layout.TRACE_ROW))
+NO_LOG = np.empty((0, layout.LOG_ROW))
 
 STRETCH = 1000
 """Samples that are filtered in one go, and so many at most between two states of the smoother."""
 
-Recorder = Callable[[Array, Array, Stamps, Array, Array], None]
-"""Takes samples, verdicts, stamps, rules, and the state before them: what the smoother needs."""
-
-RULES = (
-    'acceleration_noise', 'sampling_noise', 'rate_noise', 'rate_walk', 'acceleration_walk',
-    'stance_velocity', 'pivot', 'height', 'correlation', 'gate', 'patience', 'still_window',
-    'still_deviation', 'still_noise', 'sway', 'floor_deviation', 'floor_gate', 'floor_slope',
-    'max_gap', 'gap_speed', 'force_range', 'rate_range',
-)  # fmt: skip
-"""Settings that the kernel takes as they are, under the same names."""
+Recorder = Callable[[Array, Array, Array, Stamps, Array, Array], None]
+"""Takes samples, verdicts, aids, stamps, rules, and the state before them: what the smoother
+needs."""
 
 COUNTED = {
-    'zero_velocity': kernel.ZUPT,
-    'zero_velocity_refused': kernel.ZUPT_REFUSED,
-    'zero_rate': kernel.ZARU,
-    'floor': kernel.ON_FLOOR,
-    'new_floor': kernel.NEW_FLOOR,
-    'gap': kernel.GAP,
-    'saturated': kernel.SATURATED,
+    'zero_velocity': layout.ZUPT,
+    'zero_velocity_refused': layout.ZUPT_REFUSED,
+    'zero_rate': layout.ZARU,
+    'zero_rate_refused': layout.ZARU_REFUSED,
+    'floor': layout.ON_FLOOR,
+    'new_floor': layout.NEW_FLOOR,
+    'compass': layout.COMPASS,
+    'compass_refused': layout.COMPASS_REFUSED,
+    'gravity_direction': layout.BOUNDED,
+    'gravity_direction_refused': layout.BOUNDED_REFUSED,
+    'nonholonomic': layout.ROLLING,
+    'nonholonomic_refused': layout.ROLLING_REFUSED,
+    'gap': layout.GAP,
+    'saturated': layout.SATURATED,
 }
 """What the filter counts, by name."""
 
@@ -77,14 +82,16 @@ COUNTED = {
 class InertialNavigator:
     """Estimate position, velocity, attitude and the biases of gyro and accelerometer.
 
-    An error-state Kalman filter around a strapdown of third order.  A detector of
-    `core.stationarity` says when the body rests; then its velocity is known, the rate of turn too
-    where it is still, and the height where the floor is level.  docs/navigation.md derives it and
-    says what it reaches.
+    An error-state Kalman filter around a strapdown of third order.  Detectors of
+    `core.stationarity` say when the body rests; then its velocity is known, the rate of turn too
+    where it is still, and the height where the floor is level.  A compass may tell the yaw; a held
+    body has a bounded velocity, and wheels roll along.  docs/navigation.md derives it and says
+    what it reaches.
 
     It starts with a rest of `rest_duration`, which gives roll, pitch and the magnitude of gravity;
-    yaw and position start at 0, and while the body moves it does not align.  What comes out is
-    late by as many samples as the detector looks ahead, with the stamp of its own sample.
+    the yaw is that of the compass, or 0, the position 0, and while the body moves it does not
+    align.  What comes out is late by as many samples as the detector looks ahead, with the stamp
+    of its own sample.
 
     A stale stamp is refused.  One that goes back by more than 1 s starts all over.  Over a gap
     position and attitude are held, the velocity is forgotten, and the covariance grows.  So it
@@ -92,49 +99,52 @@ class InertialNavigator:
     """
 
     def __init__(
-        self,
-        settings: NavigatorSettings,
-        common: CommonSettings,
-        of_detector: Settings | None = None,
+        self, settings: NavigatorSettings, common: CommonSettings, *of_detectors: Settings
     ) -> None:
-        """Take the settings of the detector from its defaults where they are not given."""
+        """Take the settings of each detector, in order, from its defaults if none are given."""
         self.settings = settings
         self.findings: list[DeadReckoningError] = []
         """What turned out to be wrong, for whoever reports it and clears it."""
         self.record: Recorder | None = None
         """Gets all that the filter takes, before it does."""
-        self._detector_class = detector_class(settings.detector)
-        self._of_detector = of_detector or self._detector_class.Settings()
+        self._of_detectors = of_detectors
         self._gap_turn = common.turn_deviation
         self._rate_variance = common.rate_deviation**2
         self._timeline = Timeline()
-        self._row = np.zeros((1, kernel.ROW))
+        self._compass = CompassYaw(
+            settings.compass_timeout, common.turn_deviation, common.attitude_deviation
+        )
+        self._levelling = Work()
+        self._row = np.zeros((1, layout.ROW))
         self._stamp = np.zeros(1, np.int64)
         self._verdict = np.zeros((1, 3))
-        self._out = np.zeros((1, kernel.STATE_ROW))
+        self._out = np.zeros((1, layout.STATE_ROW))
         self._start_over()
 
     def reset(self) -> None:
         """Forget all and look for rest anew, as at the first sample."""
         self._timeline.reset()
+        self._compass.reset()
         self._start_over()
+        self._levelling.fail(SupersededError('a reset came meanwhile: ask again'))
 
     def _start_over(self) -> None:
         self.aligned = ''
-        """What the alignment found, in words; empty before."""
+        """What the last alignment found, in words; empty before the first."""
         self.statistic = self.threshold = 0.0
         """Of the detector, at the last state."""
         self.stationary = False
         """Whether the body rests, at the last state."""
         self.strides = Strides()
         """From stance to stance, up to the last state."""
-        self._look_for_rest()
+        self._alignment = Alignment(self.settings)
+        self._search: RestSearch | None = None
+        self._aids = Aids()
+        self._to_north = False  # whether the yaw is one of a compass
+        self._silent = False  # whether the compass is
         self._waiting: deque[int] = deque()
         self._state: Array = np.zeros(0)
-
-    def _look_for_rest(self) -> None:
-        self._search = RestSearch(self.settings, with_rate=True)
-        self._collected: list[ImuSample] = []
+        self._rules: Array = np.zeros(0)
 
     @property
     def restarts(self) -> int:
@@ -142,13 +152,58 @@ class InertialNavigator:
         return self._timeline.restarts
 
     @property
+    def levelling(self) -> bool:
+        """Whether it looks for a rest to level at, sample by sample."""
+        return self._search is not None
+
+    @property
     def counts(self) -> dict[str, int]:
         """How often the filter did what; all zero before it is aligned."""
-        first = kernel.COUNTS
+        first = layout.COUNTS
         return {
             name: int(self._state[first + index]) if self.aligned else 0
             for name, index in COUNTED.items()
         }
+
+    def configure(self, settings: NavigatorSettings) -> None:
+        """Take over what may change, all at once, between two samples."""
+        mutable = {p.key: getattr(settings, p.name) for p in settings.parameters() if p.mutable}
+        self.settings = self.settings.changed(mutable)
+        if not self.settings.compass:
+            self._aids.clear()
+        if self.aligned:
+            self._rules = self._rules_with(self._rules[layout.GRAVITY])
+
+    def level(self) -> Future[str]:
+        """Align again, at the rest that the coming samples show; position and yaw stay.
+
+        The future ends with a sentence for the user, or with `NotAtRestError` or `GravityError`,
+        and then nothing changed.
+        """
+        if self.aligned:
+            self._search = RestSearch(self.settings, with_rate=True)
+        else:
+            self._alignment.clear()
+        return self._levelling.begin()
+
+    def follow_compass(self, compass: ImuSample) -> None:
+        """Take a message of a compass, an Imu with an orientation, of which the yaw counts.
+
+        Raises `SampleError` (no orientation, not finite, stale stamp), and then nothing changed.
+        """
+        self._compass.take(compass)
+        found = self._compass.at(compass.stamp_ns)
+        if found is None or not self.aligned or not self.settings.compass:
+            return
+        yaw, variance = found
+        interval = self._compass.interval
+        if self._to_north and interval is not None:
+            lasts = 2.0 * self.settings.compass_correlation / interval
+            values = (yaw, variance, variance * max(1.0, lasts))
+            self._aids.add(compass.stamp_ns, layout.YAW, values)
+        else:
+            self._to_north = True
+            self._aids.add(compass.stamp_ns, layout.NORTH, (yaw, variance))
 
     def update(self, imu: ImuSample) -> list[NavigationState]:
         """Take a sample; return the states that are known now, none or one, or more after a gap.
@@ -168,28 +223,35 @@ class InertialNavigator:
         step_ns = self._timeline.advance(imu.stamp_ns)
         if self._timeline.restarts != restarts:
             self._start_over()
+            self._levelling.fail(NotAtRestError('the stamps went back meanwhile: ask again'))
         dt = (step_ns or 0) / NANOSECONDS
         gap = dt > self.settings.max_gap
         if not self.aligned:
             if gap:
-                self._look_for_rest()
+                self._alignment.clear()
             self._align(imu)
             return []
         states = []
         if gap:
             states = self.flush()
             self._detector.reset()
+            if self.levelling:
+                self._search = RestSearch(self.settings, with_rate=True)
             self.findings.append(
                 GapError(
                     f'no samples for {dt:.3g} s: the position is held and its uncertainty grows; '
                     'if the sensor is that slow, raise navigator.max_gap'
                 )
             )
+        self._watch_compass(imu.stamp_ns)
+        if self._search is not None:
+            self._look_for_rest(self._search, imu)
         row = self._row
         row[0] = (dt, *imu.specific_force, *imu.angular_velocity, self._variance(imu))
-        self._waiting.append(imu.stamp_ns)
         self._stamp[0] = imu.stamp_ns
-        if self._filter(row, self._stamp, self._verdict, self._out):
+        done = self._filter(row, self._stamp, self._verdict, self._out)
+        self._waiting.append(imu.stamp_ns)
+        if done:
             states.append(self._state_of(self._out[0].tolist()))
         return states
 
@@ -199,12 +261,10 @@ class InertialNavigator:
         if not count:
             return []
         delay = self._detector.delay
-        rows = np.repeat(
-            self._row, delay, axis=0
-        )  # all that is known of what comes: like the last
+        rows = np.repeat(self._row, delay, axis=0)  # what comes is like the last, for all we know
         rows[:, 0] = -1.0
-        out = np.empty((delay, kernel.STATE_ROW))
-        done = self._filter(rows, np.zeros(delay, np.int64), np.empty((delay, 3)), out)
+        out = np.empty((delay, layout.STATE_ROW))
+        done = self._filter(rows, NO_STAMPS, np.empty((delay, 3)), out)
         return [self._state_of(values) for values in out[:done].tolist()]
 
     def take(self, samples: Array, stamps: Stamps) -> StateBlock | None:
@@ -213,27 +273,35 @@ class InertialNavigator:
         ``samples``, shape (n, ROW), and ``stamps``, shape (n,), must be what `update` would take
         without an error, and without a gap.
         """
-        out = np.empty((len(samples), kernel.STATE_ROW))
-        done = 0
+        out = np.empty((len(samples), layout.STATE_ROW))
+        done, filtered = 0, []
         for begin in range(0, len(samples), STRETCH):
             part = slice(begin, begin + STRETCH)
             rows = samples[part]
-            done += self._filter(rows, stamps[part], np.empty((len(rows), 3)), out[done:])
+            count = self._filter(rows, stamps[part], np.empty((len(rows), 3)), out[done:])
+            waiting = np.concatenate((np.array(self._waiting, np.int64), stamps[part]))
+            self._waiting = deque(waiting[count:].tolist())
+            filtered.append(waiting[:count])
+            done += count
         self._row[0] = samples[-1]
-        waiting = np.concatenate((np.array(self._waiting, np.int64), stamps))
-        self._waiting = deque(waiting[done:].tolist())
         if not done:
             return None
-        block = state_block(waiting[:done], out[:done])
+        block = state_block(np.concatenate(filtered), out[:done])
         self._note(out[done - 1].tolist())
         count_strides(self.strides, block)
         return block
 
     def _filter(self, samples: Array, stamps: Stamps, verdicts: Array, out: Array) -> int:
+        """Filter samples, after those that wait; rows that stand for no sample have no stamp."""
         self._detector.take(samples, verdicts)
+        aids = NO_AIDS
+        if self._aids:
+            waiting = len(self._waiting)
+            unfiltered = np.concatenate((np.array(self._waiting, np.int64), stamps))
+            aids = self._aids.due(unfiltered, self._detector.delay - waiting, len(samples))
         if self.record is not None:
-            self.record(samples, verdicts, stamps, self._rules, self._state)
-        return kernel.navigate(samples, verdicts, self._rules, self._state, out, NO_TRACE, NO_LOG)
+            self.record(samples, verdicts, aids, stamps, self._rules, self._state)
+        return navigate(samples, verdicts, aids, self._rules, self._state, out, NO_TRACE, NO_LOG)
 
     def _note(self, values: list[float]) -> None:
         self.statistic, self.threshold = values[49], values[50]
@@ -264,91 +332,84 @@ class InertialNavigator:
             return self._rate_variance
         return (covariance[0] + covariance[4] + covariance[8]) / 3.0
 
+    def _watch_compass(self, stamp_ns: int) -> None:
+        silent = self._compass.stale(stamp_ns)
+        if silent and not self._silent and self.settings.compass:
+            self.findings.append(
+                StaleCompassError(
+                    f'no compass/data for {self.settings.compass_timeout:g} s: '
+                    'the yaw grows uncertain; is the compass still there?'
+                )
+            )
+        self._silent = silent
+
     def _align(self, imu: ImuSample) -> None:
         """Look for rest; once it is found filter what was collected of it."""
-        collected = self._collected
-        collected.append(imu)
         try:
-            still = self._search.add(imu)
-            if still is None:
-                raise NotLevelledError(
-                    'waiting for rest: the tilt is taken from gravity, so keep the device still '
-                    f'for {self.settings.rest_duration:g} s'
-                )
-            gravity = check_gravity(still.force.mean)
+            rest = self._alignment.add(imu, self._variance(imu))
         except (NotAtRestError, GravityError) as error:
-            collected.clear()  # the window is empty again, and the search goes on
-            if isinstance(error, GravityError):
+            self._alignment.clear()
+            if isinstance(error, GravityError) and not self._levelling.running:
                 self.findings.append(error)
+            self._levelling.fail(error)
             raise NotLevelledError(f'waiting for rest: {error}') from error
-        stamps = np.array([sample.stamp_ns for sample in collected])
-        rows = np.array(
-            [
-                (0.0, *s.specific_force, *(s.angular_velocity or ()), self._variance(s))
-                for s in collected
-            ]
-        )
-        rows[1:, 0] = np.diff(stamps) / NANOSECONDS
-        self._start(
-            still, gravity, (len(stamps) - 1) * NANOSECONDS / float(stamps[-1] - stamps[0])
-        )
-        self._collected = []
-        self.take(rows, stamps)
+        self._start(rest)
+        self._alignment.clear()
+        self.take(rest.rows, rest.stamps)
+        self._levelling.succeed(self.aligned)
 
-    def _start(self, still: Stillness, gravity: float, rate: float) -> None:
-        """Build detector and filter for a rest, and for so many samples a second [Hz]."""
-        settings = self.settings
-        half = max(1, round(0.5 * settings.window * rate - 0.01))
-        total = int(settings.look_ahead * rate + 1e-6)
-        ahead = min(half, total)
-        watch = Watch(
-            2 * half - ahead,
-            ahead,
-            max(1, min(round(settings.minimum * rate), total - ahead + 1)),
-            settings.hysteresis,
-            round(settings.memory * rate),
-            settings.exponent,
-            gravity,
-        )
-        self._detector = self._detector_class(self._of_detector, watch)
-        samples = max(4, round(settings.still_window * rate))
-        self._rules = self._rules_of(gravity, samples)
-        rings = 3 * samples + kernel.ROW * (self._detector.delay + 1)
-        state = self._state = np.zeros(kernel.RINGS + rings)
-        roll, pitch = euler_from_gravity(still.force.mean)
-        begin = kernel.X_ATTITUDE
-        state[begin : begin + 4] = quaternion_from_euler(roll, pitch, 0.0)
-        state[kernel.NOISE] = -1.0  # no rest yet
-        variances = np.full(ERRORS, KNOWN)
-        variances[VELOCITY : VELOCITY + 3] = AT_REST
-        # At rest a bias of the accelerometer shows as a tilt, so the prior of both is the same.
-        tilt = (settings.acceleration_bias / gravity) ** 2 + level_variances(still.force)[1]
-        variances[ATTITUDE : ATTITUDE + 2] = tilt
-        variances[RATE_BIAS : RATE_BIAS + 3] = settings.rate_bias**2
-        variances[FORCE_BIAS : FORCE_BIAS + 3] = settings.acceleration_bias**2
-        variances[FLOOR] = KNOWN
-        covariance = np.diag(variances).ravel()
-        state[kernel.COVARIANCE : kernel.COVARIANCE + len(covariance)] = covariance
-        self.aligned = (
-            f'gravity is {gravity:.4f} m/s², roll {np.degrees(roll):.3f}°, '
-            f'pitch {np.degrees(pitch):.3f}°, {rate:.1f} samples a second'
-        )
+    def _start(self, rest: Rest) -> None:
+        """Build detector and filter for a rest."""
+        self._detector = detector_of(self.settings, self._of_detectors, rest.gravity, rest.rate)
+        self._rate = rest.rate
+        self._rules = self._rules_with(rest.gravity)
+        stamp_ns = int(rest.stamps[-1])
+        yaw, variance = 0.0, KNOWN
+        if self.settings.compass and not self._compass.stale(stamp_ns):
+            found = self._compass.at(stamp_ns)
+            self._to_north = found is not None
+            yaw, variance = found or (yaw, variance)
+        still = int(self._rules[layout.STILL_SAMPLES])
+        rings = 3 * still + layout.ROW * (self._detector.delay + 1)
+        self._state, self.aligned = first_state(rest, yaw, variance, self.settings, rings)
+        self.aligned += f', {rest.rate:.1f} samples a second'
 
-    def _rules_of(self, gravity: float, still_samples: int) -> Array:
-        """Return what the kernel goes by: settings of the same names, and what follows."""
-        settings = self.settings
-        rules = np.zeros(kernel.RULES)
-        for name in RULES:
-            rules[getattr(kernel, name.upper())] = getattr(settings, name)
-        if not settings.floor:
-            rules[kernel.FLOOR_DEVIATION] = 0.0
-        if settings.acceleration_bias == 0.0:
-            rules[kernel.ACCELERATION_WALK] = 0.0
-        rules[kernel.GAP_TURN] = self._gap_turn
-        rules[kernel.GRAVITY] = gravity
-        rules[kernel.STILL_SAMPLES] = still_samples
-        rules[kernel.DELAY] = self._detector.delay
+    def _rules_with(self, gravity: float) -> Array:
+        rules = rules_of(self.settings, self._gap_turn, self._rate, self._detector.delay)
+        rules[layout.GRAVITY] = gravity
         return rules
+
+    def _look_for_rest(self, search: RestSearch, imu: ImuSample) -> None:
+        try:
+            still = search.add(imu)
+            if still is None:
+                return
+            check_gravity(still.force.mean)
+        except (NotAtRestError, GravityError) as error:
+            self._search = None
+            self._levelling.fail(error)
+        else:
+            self._search = None
+            self._level_at(still, imu.stamp_ns)
+            self._levelling.succeed(self.aligned)
+
+    def _level_at(self, still: Stillness, stamp_ns: int) -> None:
+        """Let the filter level at a rest, in which the samples that wait are."""
+        assert still.rate is not None
+        begin = layout.X_FORCE_BIAS
+        bias = self._state[begin : begin + 3].tolist()
+        x, y, z = (f - b for f, b in zip(still.force.mean, bias, strict=True))
+        gravity = float(np.linalg.norm((x, y, z)))
+        duration = self.settings.rest_duration
+        of_force = gravity**2 * level_variances(still.force)[1] + LEVEL_FLOOR**2
+        of_rate = 2.0 * (self.settings.sway / duration) ** 2
+        of_rate += self.settings.rate_noise**2 / duration
+        values = (*still.force.mean, *still.rate.mean, of_force, of_rate)
+        first_ns = self._waiting[0] if self._waiting else stamp_ns
+        self._aids.add(first_ns, layout.LEVEL, values)
+        self._rules = self._rules_with(gravity)
+        turns = ', '.join(f'{np.degrees(b):.3f}' for b in still.rate.mean)
+        self.aligned = f'{said(gravity, (x, y, z))}, gyro bias {turns} °/s'
 
 
 def state_block(stamps: Stamps, rows: Array) -> StateBlock:

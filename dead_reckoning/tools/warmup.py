@@ -53,7 +53,7 @@ def warm_up() -> None:
         for name in pipeline.inputs[:1]:
             pipeline.chain.push(name, block)
     for detector in stationarity.names():
-        navigate(NavigatorSettings(detector=detector), block)
+        navigate(NavigatorSettings(detector=(detector,)), block)
 
 
 def navigate(settings: NavigatorSettings, block: ImuBlock) -> None:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import nan, sqrt
-from types import FunctionType
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
-from dead_reckoning.core.kernels import compiled
 from dead_reckoning.core.kernels.columns import Array
 from dead_reckoning.core.stationarity import Watch
 
@@ -34,10 +31,6 @@ class Sums(NamedTuple):
     rate: float
 
 
-Statistic: TypeAlias = Callable[[Sums, float, float], float]
-"""What a window shows, from its sums, gravity [m/s²] and the detector's weight."""
-
-
 def state_of(watch: Watch) -> Array:
     """Return the state before the first sample."""
     return np.zeros(
@@ -53,67 +46,56 @@ def rules_of(watch: Watch, least: float, most: float, weight: float) -> Array:
     return np.array([*watch, least, most, weight], np.float64)
 
 
-def kernel_of(statistic: Statistic) -> Callable[[Array, Array, Array, Array], None]:
-    """Return the kernel that judges by a statistic: samples, rules, state, verdicts."""
-    own: Any = {**_judge.__globals__, '_statistic': statistic}
-    return compiled(FunctionType(_judge.__code__, own, _judge.__name__))
-
-
-def _statistic(sums: Sums, gravity: float, weight: float) -> float:
-    raise NotImplementedError  # `kernel_of` puts that of a detector here
-
-
-def _judge(samples: Array, rules: Array, state: Array, verdicts: Array) -> None:
-    """Judge samples: rest is a statistic below T for long enough.
-
-    T = min(max(low, least)^(1 − e) · max(high, least)^e, most) with the least and the greatest
-    statistic over the memory, low and high, and the exponent e.
-    """
-    ahead, minimum, memory = int(rules[AHEAD]), int(rules[MINIMUM]), int(rules[MEMORY])
-    width = int(rules[BEHIND]) + ahead + 1
+def window_sums(sample: Array, rules: Array, state: Array) -> Sums:
+    """Take a sample, shape (≥ 7,), into the window; return the sums over it."""
+    width = int(rules[BEHIND]) + int(rules[AHEAD]) + 1
     window = state[START : START + 6 * width].reshape((width, 6))
-    begin = START + 6 * width + 3 * minimum
-    recent = state[START + 6 * width : begin].reshape((minimum, 3))
-    half = 2 + 2 * (memory + 2)
-    lows, highs = state[begin : begin + half], state[begin + half : begin + 2 * half]
-    least, exponent = rules[LEAST], rules[EXPONENT]
-    for k in range(len(samples)):
-        count = int(state[COUNT])
-        state[COUNT] = count + 1
-        for i in range(6):
-            window[count % width, i] = samples[k, 1 + i]
-        verdicts[k, 0], verdicts[k, 1], verdicts[k, 2] = nan, nan, 0.0
-        j = count - ahead  # the sample whose statistic is known now
-        if j < 0:
-            continue
-        sums = _sums(window, min(count + 1, width))
-        statistic = _statistic(sums, rules[GRAVITY], rules[WEIGHT])
-        low = max(_least(lows, memory, j, statistic), least)
-        high = max(-_least(highs, memory, j, -statistic), least)
-        threshold = min(low ** (1.0 - exponent) * high**exponent, rules[MOST])
-        factor = rules[HYSTERESIS] if state[LOW] else 1.0
-        state[LOW] = 1.0 if statistic < factor * threshold else 0.0
-        state[RUN] = state[RUN] + 1.0 if state[LOW] else 0.0
-        slot = j % minimum
-        recent[slot, 0], recent[slot, 1], recent[slot, 2] = statistic, threshold, state[LOW]
-        if j < minimum - 1:
-            continue
-        slot = (j + 1) % minimum  # the oldest, which is judged now
-        rests = state[RUN] >= minimum or (state[RESTS] > 0.0 and recent[slot, 2] > 0.0)
-        state[RESTS] = 1.0 if rests else 0.0
-        verdicts[k, 0], verdicts[k, 1] = recent[slot, 0], recent[slot, 1]
-        verdicts[k, 2] = state[RESTS]
-
-
-def _sums(window: Array, count: int) -> Sums:
+    count = int(state[COUNT])
+    state[COUNT] = count + 1
+    for i in range(6):
+        window[count % width, i] = sample[1 + i]
+    n = min(count + 1, width)
     x = y = z = magnitude = force = rate = 0.0
-    for i in range(count):
+    for i in range(n):
         fx, fy, fz = window[i, 0], window[i, 1], window[i, 2]
         square = fx * fx + fy * fy + fz * fz
         x, y, z = x + fx, y + fy, z + fz
         magnitude, force = magnitude + sqrt(square), force + square
         rate += window[i, 3] ** 2 + window[i, 4] ** 2 + window[i, 5] ** 2
-    return Sums(count, x, y, z, magnitude, force, rate)
+    return Sums(n, x, y, z, magnitude, force, rate)
+
+
+def judge(statistic: float, rules: Array, state: Array, verdict: Array) -> None:
+    """Judge by the statistic of the window, shape (3,) the verdict: rest is low for long enough.
+
+    Low is below T = min(max(q₀, least)^(1 − e) · max(q₁, least)^e, most) with the least and the
+    greatest statistic over the memory, q₀ and q₁, and the exponent e.
+    """
+    ahead, minimum, memory = int(rules[AHEAD]), int(rules[MINIMUM]), int(rules[MEMORY])
+    verdict[0], verdict[1], verdict[2] = nan, nan, 0.0
+    j = int(state[COUNT]) - 1 - ahead  # the sample in the middle of the window
+    if j < 0:
+        return
+    begin = START + 6 * (int(rules[BEHIND]) + ahead + 1)
+    recent = state[begin : begin + 3 * minimum].reshape((minimum, 3))
+    begin += 3 * minimum
+    half = 2 + 2 * (memory + 2)
+    lows, highs = state[begin : begin + half], state[begin + half : begin + 2 * half]
+    least, exponent = rules[LEAST], rules[EXPONENT]
+    low = max(_least(lows, memory, j, statistic), least)
+    high = max(-_least(highs, memory, j, -statistic), least)
+    threshold = min(low ** (1.0 - exponent) * high**exponent, rules[MOST])
+    factor = rules[HYSTERESIS] if state[LOW] else 1.0
+    state[LOW] = 1.0 if statistic < factor * threshold else 0.0
+    state[RUN] = state[RUN] + 1.0 if state[LOW] else 0.0
+    slot = j % minimum
+    recent[slot, 0], recent[slot, 1], recent[slot, 2] = statistic, threshold, state[LOW]
+    if j < minimum - 1:
+        return
+    slot = (j + 1) % minimum  # the oldest, which is judged now
+    rests = state[RUN] >= minimum or (state[RESTS] > 0.0 and recent[slot, 2] > 0.0)
+    state[RESTS] = 1.0 if rests else 0.0
+    verdict[0], verdict[1], verdict[2] = recent[slot, 0], recent[slot, 1], state[RESTS]
 
 
 def _least(queue: Array, memory: int, j: int, value: float) -> float:

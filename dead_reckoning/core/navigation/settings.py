@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from dead_reckoning.core import stationarity
+from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.parameters import Settings, parameter
 
 
@@ -16,6 +17,12 @@ class NavigatorSettings(Settings, prefix='navigator'):
     what half and twice of it cost on recordings.
     """
 
+    input: str = parameter(
+        'imu/data_raw',
+        'Topic of its Imu, with an angular velocity: imu/data for a device that has only that; '
+        'its orientation is not used',
+        choices=('imu/data_raw', 'imu/data'),
+    )
     rest_duration: float = parameter(
         0.5, 'How long the device must rest to be aligned', unit='s', minimum=0.05, maximum=60.0
     )
@@ -104,6 +111,9 @@ class NavigatorSettings(Settings, prefix='navigator'):
         minimum=0.0,
         maximum=10.0,
     )
+    zero_velocity: bool = parameter(
+        True, 'Take the velocity for zero while the detector finds rest', mutable=True
+    )
     stance_velocity: float = parameter(
         0.01,
         'One sigma of the velocity of a foot that stands',
@@ -135,16 +145,26 @@ class NavigatorSettings(Settings, prefix='navigator'):
     )
     gate: float = parameter(
         50.0,
-        'Largest NIS of a velocity at rest, of three degrees of freedom, that is believed; far '
+        'Largest NIS of a velocity or a rate, of three degrees of freedom, that is believed; far '
         'above 3, as it is there for blunders only',
         minimum=1.0,
     )
     patience: float = parameter(
         0.1,
-        'After so long a rest that is not believed it is believed all the same',
+        'After so long a rest that is not believed it is believed all the same; long for a '
+        'vehicle, whose steady drive looks like rest',
         unit='s',
         minimum=0.0,
-        maximum=1000.0,
+        maximum=1e6,
+    )
+    axis_gate: float = parameter(
+        11.0,
+        'Largest NIS of what is measured along one axis, yaw or slip of wheels, that is believed: '
+        '3.3 sigma',
+        minimum=1.0,
+    )
+    zero_rate: bool = parameter(
+        True, 'Learn the bias of the gyro while it is still in a rest', mutable=True
     )
     still_window: float = parameter(
         0.4,
@@ -177,7 +197,9 @@ class NavigatorSettings(Settings, prefix='navigator'):
         maximum=1.0,
     )
     floor: bool = parameter(
-        True, 'Hold stances for being as high as the one before where they nearly are'
+        True,
+        'Hold stances for being as high as the one before where they nearly are',
+        mutable=True,
     )
     floor_deviation: float = parameter(
         0.01,
@@ -201,12 +223,71 @@ class NavigatorSettings(Settings, prefix='navigator'):
         minimum=0.0,
         maximum=1.0,
     )
-    detector: str = parameter(
-        'shoe',
+    compass: bool = parameter(True, 'Take the yaw of a compass, where there is one', mutable=True)
+    compass_timeout: float = parameter(
+        1.0,
+        'How old the yaw of a compass may be at the alignment, and after how long its silence is '
+        'said',
+        unit='s',
+        minimum=0.01,
+        maximum=3600.0,
+    )
+    compass_correlation: float = parameter(
+        60.0,
+        'How long what a compass is wrong by stays the same: iron on the way',
+        unit='s',
+        minimum=0.0,
+        maximum=1e6,
+    )
+    gravity_direction: bool = parameter(
+        False,
+        'Take the body for held, so that it never gets fast: its velocity then shows where down '
+        'is. Not for a vehicle or a body that is carried far',
+        mutable=True,
+    )
+    held_velocity: float = parameter(
+        1.0, 'One sigma of the velocity of a held body', unit='m/s', minimum=1e-3, maximum=100.0
+    )
+    held_time: float = parameter(
+        1.0, 'How long that velocity stays the same', unit='s', minimum=1e-4, maximum=1000.0
+    )
+    nonholonomic: bool = parameter(
+        False,
+        'Take the body for a vehicle whose axle moves neither sideways nor up; needs axes of the '
+        'body, x forward (frames.mounting_rotation)',
+        mutable=True,
+    )
+    slip: float = parameter(
+        0.1,
+        'One sigma of the velocity of the axle sideways and up',
+        unit='m/s',
+        minimum=1e-6,
+        maximum=100.0,
+    )
+    slip_angle: float = parameter(
+        0.01,
+        'One sigma of the angle by which an axle slips, or the sensor is mounted askew',
+        unit='rad',
+        minimum=0.0,
+        maximum=1.0,
+    )
+    slip_time: float = parameter(
+        1.0, 'How long a slip stays the same', unit='s', minimum=1e-4, maximum=1000.0
+    )
+    axle: tuple[float, float, float] = parameter(
+        (0.0, 0.0, 0.0),
+        'Where the axle that is not steered is, seen from the sensor, in the axes of the body',
+        unit='m', minimum=-1000.0, maximum=1000.0, length=3,
+    )  # fmt: skip
+    detector: tuple[str, ...] = parameter(
+        ('shoe',),
         'What finds rest: shoe (generalised likelihood ratio), angular_rate (its energy), '
-        'acceleration_variance, magnitude (of the force), movement_end (the count of AN3397) or '
-        'always (a body that is held, and whose velocity is bounded by stance_velocity)',
+        'acceleration_variance, magnitude (of the force), movement_end (the count of AN3397); '
+        'several of them vote',
         choices=stationarity.names(),
+    )
+    votes: int = parameter(
+        0, 'So many detectors make a rest; 0: all of them', minimum=0, maximum=100
     )
     window: float = parameter(
         0.05, 'Over how long a detector looks', unit='s', minimum=0.0, maximum=10.0
@@ -239,3 +320,16 @@ class NavigatorSettings(Settings, prefix='navigator'):
         minimum=0.0,
         maximum=1.0,
     )
+
+    @property
+    def detector_parts(self) -> tuple[type[Settings], ...]:
+        """The classes of the detectors' own settings, in order."""
+        return tuple(stationarity.detector_class(name).Settings for name in self.detector)
+
+    def validate(self) -> None:
+        """Raise `SettingsError` where more votes are asked for than there are."""
+        if self.votes > len(self.detector):
+            raise SettingsError(
+                f'navigator.votes: {self.votes} of {len(self.detector)} detectors; name more in '
+                'navigator.detector, or ask for fewer'
+            )

@@ -14,7 +14,7 @@ class WindowDetector:
     """Hold the body for resting while the statistic is below a threshold that follows the gait.
 
     A subclass names its settings, which have ``least`` and ``most`` and may have ``weight``, and
-    the kernel of its statistic (`kernel_of`).  At the first samples, and at the last, the window
+    the kernel that judges by its statistic.  At the first samples, and at the last, the window
     holds those there are.
     """
 

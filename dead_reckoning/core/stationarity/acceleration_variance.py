@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import sqrt
 
-from dead_reckoning.core.kernels.stationarity import Sums, kernel_of
+from dead_reckoning.core.kernels import compiled
+from dead_reckoning.core.kernels.columns import Array
+from dead_reckoning.core.kernels.stationarity import Sums, judge, window_sums
 from dead_reckoning.core.navigation.window_detector import WindowDetector
 from dead_reckoning.core.parameters import Settings, parameter
 
@@ -22,10 +24,18 @@ class AccelerationVarianceSettings(Settings, prefix='navigator.acceleration_vari
     )
 
 
-def statistic(sums: Sums, gravity: float, weight: float) -> float:
+def statistic(sums: Sums) -> float:
     """Return √(mean|f − f̄|²) [m/s²]."""
     mean = (sums.x * sums.x + sums.y * sums.y + sums.z * sums.z) / sums.n
     return sqrt(max(sums.force - mean, 0.0) / sums.n)
+
+
+@compiled
+def judge_samples(samples: Array, rules: Array, state: Array, verdicts: Array) -> None:
+    """Judge samples, as `StationarityDetector` has it."""
+    for k in range(len(samples)):
+        sums = window_sums(samples[k], rules, state)
+        judge(statistic(sums), rules, state, verdicts[k])
 
 
 class AccelerationVariance(WindowDetector):
@@ -35,7 +45,7 @@ class AccelerationVariance(WindowDetector):
     """
 
     Settings = AccelerationVarianceSettings
-    JUDGE = staticmethod(kernel_of(statistic))
+    JUDGE = staticmethod(judge_samples)
 
 
 DETECTOR = AccelerationVariance

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import sqrt
 
-from dead_reckoning.core.kernels.stationarity import Sums, kernel_of
+from dead_reckoning.core.kernels import compiled
+from dead_reckoning.core.kernels.columns import Array
+from dead_reckoning.core.kernels.stationarity import GRAVITY, Sums, judge, window_sums
 from dead_reckoning.core.navigation.window_detector import WindowDetector
 from dead_reckoning.core.parameters import Settings, parameter
 
@@ -22,10 +24,18 @@ class MagnitudeSettings(Settings, prefix='navigator.magnitude'):
     )
 
 
-def statistic(sums: Sums, gravity: float, weight: float) -> float:
+def statistic(sums: Sums, gravity: float) -> float:
     """Return √(mean(|f| − g)²) [m/s²]."""
     square = sums.force - 2.0 * gravity * sums.magnitude + gravity * gravity * sums.n
     return sqrt(max(square, 0.0) / sums.n)
+
+
+@compiled
+def judge_samples(samples: Array, rules: Array, state: Array, verdicts: Array) -> None:
+    """Judge samples, as `StationarityDetector` has it."""
+    for k in range(len(samples)):
+        sums = window_sums(samples[k], rules, state)
+        judge(statistic(sums, rules[GRAVITY]), rules, state, verdicts[k])
 
 
 class Magnitude(WindowDetector):
@@ -36,7 +46,7 @@ class Magnitude(WindowDetector):
     """
 
     Settings = MagnitudeSettings
-    JUDGE = staticmethod(kernel_of(statistic))
+    JUDGE = staticmethod(judge_samples)
 
 
 DETECTOR = Magnitude

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import sqrt
 
-from dead_reckoning.core.kernels.stationarity import Sums, kernel_of
+from dead_reckoning.core.kernels import compiled
+from dead_reckoning.core.kernels.columns import Array
+from dead_reckoning.core.kernels.stationarity import GRAVITY, WEIGHT, Sums, judge, window_sums
 from dead_reckoning.core.navigation.window_detector import WindowDetector
 from dead_reckoning.core.parameters import Settings, parameter
 
@@ -41,6 +43,14 @@ def statistic(sums: Sums, gravity: float, weight: float) -> float:
     return sqrt((sums.rate + weight * weight * max(rest, 0.0)) / sums.n)
 
 
+@compiled
+def judge_samples(samples: Array, rules: Array, state: Array, verdicts: Array) -> None:
+    """Judge samples, as `StationarityDetector` has it."""
+    for k in range(len(samples)):
+        sums = window_sums(samples[k], rules, state)
+        judge(statistic(sums, rules[GRAVITY], rules[WEIGHT]), rules, state, verdicts[k])
+
+
 class Shoe(WindowDetector):
     """Judge by the generalised likelihood ratio of a sensor that neither turns nor speeds up.
 
@@ -50,7 +60,7 @@ class Shoe(WindowDetector):
     """
 
     Settings = ShoeSettings
-    JUDGE = staticmethod(kernel_of(statistic))
+    JUDGE = staticmethod(judge_samples)
 
 
 DETECTOR = Shoe

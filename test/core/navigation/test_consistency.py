@@ -5,10 +5,10 @@ from contextlib import suppress
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from simulated_walks import navigator, walk
+from simulated_walks import filtered, navigator, walk
 
 from dead_reckoning.core.errors import NotLevelledError
-from dead_reckoning.core.kernels import navigator as kernel
+from dead_reckoning.core.kernels.navigation import layout
 from dead_reckoning.core.stationarity import STATIONARY
 
 RUNS, RATE = 100, 200.0
@@ -22,14 +22,14 @@ def at_the_start(true):
     found, kept = navigator(
         acceleration_noise=FORCE_NOISE, rate_noise=RATE_NOISE, sampling_noise=0.0,
         acceleration_bias=0.05, stance_velocity=1e-5, pivot=0.0, height=0.0,
-        still_deviation=0.0, floor=False, detector='always',
+        still_deviation=0.0, floor=False, look_ahead=0.0,
     ), []  # fmt: skip
     found.record = lambda *given: kept.append([np.copy(each) for each in given])
     block = true.block()
     for index in range(101):
         with suppress(NotLevelledError):
             found.update(block.sample(index))
-    return kept[0][3], kept[0][4]
+    return kept[0][4], kept[0][5]
 
 
 @pytest.fixture(scope='module')
@@ -42,7 +42,7 @@ def normalized_errors():
     """
     true = walk(strides=10, turn=0.3)
     rules, start = at_the_start(true)
-    first = kernel.COVARIANCE
+    first = layout.COVARIANCE
     deviation = np.sqrt(start[first : first + 256 : 17])[:15]
     stands = np.linalg.norm(true.velocity, axis=1) == 0.0
     epochs = [round(RATE * t) for t in EPOCHS]
@@ -57,11 +57,11 @@ def normalized_errors():
         rate_bias, force_bias = (
             begin + np.cumsum(random.normal(0.0, rules[walk] * steps, (count, 3)), axis=0)
             for begin, walk in (
-                (drawn[9:12], kernel.RATE_WALK),
-                (drawn[12:15], kernel.ACCELERATION_WALK),
+                (drawn[9:12], layout.RATE_WALK),
+                (drawn[12:15], layout.ACCELERATION_WALK),
             )
         )
-        rows = np.zeros((count, kernel.ROW))
+        rows = np.zeros((count, layout.ROW))
         rows[:, 0] = 1.0 / RATE
         rows[:, 1:4] = true.force + force_bias
         rows[:, 1:4] += random.normal(0.0, FORCE_NOISE / steps, (count, 3))
@@ -70,9 +70,7 @@ def normalized_errors():
         state = start.copy()
         state[0:3], state[3:6] = true.position[0] - drawn[:3], -drawn[3:6]
         state[13:17] = (Rotation.from_rotvec(drawn[6:9]).inv() * rotations[0]).as_quat()
-        out, trace = np.zeros((count, kernel.STATE_ROW)), np.zeros((count, kernel.TRACE_ROW))
-        log = np.zeros((0, kernel.LOG_ROW))
-        kernel.navigate(rows, verdicts, rules, state, out, trace, log)
+        _, trace, _ = filtered(rules, state, rows, verdicts)
         for index, k in enumerate(epochs):
             x, p = trace[k, 16:33], trace[k, 33:289].reshape(16, 16)
             theta = (rotations[k] * Rotation.from_quat(x[13:17]).inv()).as_rotvec()

@@ -4,7 +4,17 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from simulated_walks import MOUNTED, START_NS, Walk, joined, measured, navigator, streamed, walk
+from simulated_walks import (
+    MOUNTED,
+    START_NS,
+    Walk,
+    filtered,
+    joined,
+    measured,
+    navigator,
+    streamed,
+    walk,
+)
 
 from dead_reckoning.core.batch.navigator import navigator_run
 from dead_reckoning.core.blocks import StateBlock
@@ -19,9 +29,11 @@ from dead_reckoning.core.errors import (
     SampleError,
     SettingsError,
 )
-from dead_reckoning.core.kernels import navigator as kernel
+from dead_reckoning.core.kernels.navigation import layout
+from dead_reckoning.core.kernels.navigation.filter import navigate
+from dead_reckoning.core.navigation.aids import NO_AIDS
+from dead_reckoning.core.navigation.alignment import RULES
 from dead_reckoning.core.navigation.settings import NavigatorSettings
-from dead_reckoning.core.navigator import RULES
 from dead_reckoning.core.samples import NANOSECONDS, NOT_MEASURED, ImuSample
 from dead_reckoning.core.stationarity import detector_class, names
 from dead_reckoning.core.strides import Strides
@@ -137,7 +149,7 @@ def test_numbers_that_just_pass_leave_it_in_order():
     at_rest(found)
     at_rest(found, 1, 400, force=(1e6, -1e6, 1e6))
     states = at_rest(found, 2000, 401)
-    p = found._state[kernel.COVARIANCE : kernel.COVARIANCE + 256].reshape(16, 16)
+    p = found._state[layout.COVARIANCE : layout.COVARIANCE + 256].reshape(16, 16)
     assert (p == p.T).all()
     assert np.linalg.eigvalsh(p[:15, :15])[0] > 0.0
     assert np.linalg.norm(states[-1].velocity) < 0.05
@@ -228,7 +240,7 @@ def test_blocks_give_what_the_stream_gives(detector):
     block.angular_velocity_covariance[1200:1300, ::4] = 1e-5
     block.stamp_ns[1400] = block.stamp_ns[1399]
     block.stamp_ns[1500:] += NANOSECONDS
-    stream = navigator(detector=detector)
+    stream = navigator(detector=(detector,))
     one_by_one = []
     for index in range(len(block)):
         with suppress(SampleError):
@@ -236,7 +248,7 @@ def test_blocks_give_what_the_stream_gives(detector):
     one_by_one += stream.flush()
     random = np.random.default_rng(2)
     for cuts in ([], sorted(random.integers(0, len(block), 7).tolist())):
-        found = navigator(detector=detector)
+        found = navigator(detector=(detector,))
         assert_same(in_blocks(found, block, cuts), StateBlock.of(one_by_one))
         assert found.counts == stream.counts
         assert found.strides.count == stream.strides.count
@@ -248,11 +260,7 @@ def test_covariances_are_those_of_position_velocity_attitude_and_rate():
     found.record = lambda *given: kept.append([np.copy(each) for each in given])
     streamed(found, WALK.block().part(0, 760))
     samples, verdicts = (np.concatenate([each[i] for each in kept]) for i in (0, 1))
-    n = len(samples)
-    out, trace = np.zeros((n, kernel.STATE_ROW)), np.zeros((n, kernel.TRACE_ROW))
-    kernel.navigate(
-        samples, verdicts, kept[0][3], kept[0][4], out, trace, np.zeros((0, kernel.LOG_ROW))
-    )
+    out, trace, _ = filtered(kept[0][4], kept[0][5], samples, verdicts)
     k = 680  # on the swing
     v, p = out[k, 3:6], trace[k, 33:289].reshape(16, 16)
     assert np.linalg.norm(v) > 0.5
@@ -271,15 +279,15 @@ def test_without_numba_it_gives_the_same():
     found = navigator()
     streamed(found, block.part(0, 500))
     found.flush()
-    rows = np.zeros((40, kernel.ROW))
+    rows = np.zeros((40, layout.ROW))
     rows[:, 0], rows[:, 1:4], rows[:, 4:7] = 0.005, WALK.force[600:640], WALK.rate[600:640]
     verdicts = np.full((40, 3), 0.1)
     verdicts[15:30, 2] = 0.0
     outs = []
-    for navigate in (kernel.navigate, kernel.navigate.__wrapped__):
-        state, out = found._state.copy(), np.zeros((40, kernel.STATE_ROW))
-        trace, log = np.zeros((40, kernel.TRACE_ROW)), np.zeros((400, kernel.LOG_ROW))
-        navigate(rows, verdicts, found._rules, state, out, trace, log)
+    for function in (navigate, navigate.__wrapped__):
+        state, out = found._state.copy(), np.zeros((40, layout.STATE_ROW))
+        trace, log = np.zeros((40, layout.TRACE_ROW)), np.zeros((400, layout.LOG_ROW))
+        function(rows, verdicts, NO_AIDS, found._rules, state, out, trace, log)
         outs.append((state, out, trace, log))
     for compiled, plain in zip(*outs, strict=True):
         np.testing.assert_allclose(compiled, plain, rtol=1e-9, atol=1e-12)
@@ -392,7 +400,7 @@ def test_covariance_stays_one_for_ten_hours():
     found, _ = navigated(measured(true, 8))
     begin = round(100.0 * 2.5)  # in the first rest: all that comes after repeats
     count = len(true.time) - begin
-    rows = np.zeros((count, kernel.ROW))
+    rows = np.zeros((count, layout.ROW))
     stamp_ns, hours = found._timeline._last_ns, 10.0
     for _ in range(round(hours * 360_000 / count)):
         rows[:, 0] = 0.01
@@ -401,11 +409,11 @@ def test_covariance_stays_one_for_ten_hours():
         stamps = stamp_ns + 10_000_000 * (1 + np.arange(count))
         stamp_ns = int(stamps[-1])
         states = found.take(rows, stamps)
-    p = found._state[kernel.COVARIANCE : kernel.COVARIANCE + 256].reshape(16, 16)
+    p = found._state[layout.COVARIANCE : layout.COVARIANCE + 256].reshape(16, 16)
     assert (p == p.T).all()
     assert np.linalg.eigvalsh(p[:15, :15])[0] > 0.0
     assert np.isfinite(states.position).all()
-    assert np.linalg.norm(found._state[kernel.X_ATTITUDE : kernel.X_ATTITUDE + 4]) == (
+    assert np.linalg.norm(found._state[layout.X_ATTITUDE : layout.X_ATTITUDE + 4]) == (
         pytest.approx(1.0, abs=1e-8)
     )
 
@@ -421,23 +429,28 @@ def test_settings_are_declared_once_for_filter_and_user():
     declared = {p.name: p for p in NavigatorSettings.parameters()}
     for name in ('acceleration_noise', 'sway', 'still_window', 'floor_slope', 'max_gap'):
         assert declared[name].key == f'navigator.{name}'
-    changed = {name: 1.5 * declared[name].default for name in RULES}
+    switches = {name for name in RULES if declared[name].type is bool}
+    changed = {name: 1.5 * declared[name].default for name in RULES if name not in switches}
     changed |= {'force_range': 1.0, 'rate_range': 2.0}
     found = navigator(**changed)
     at_rest(found)
     for name, value in changed.items():
-        assert found._rules[getattr(kernel, name.upper())] == pytest.approx(value)
+        assert found._rules[getattr(layout, name.upper())] == pytest.approx(value)
     assert len(set(changed.values())) > 15  # so that a wrong place shows
+    for name in switches:
+        found.configure(NavigatorSettings(**{each: each == name for each in switches}))
+        on = [found._rules[getattr(layout, each.upper())] > 0.0 for each in switches]
+        assert on == [each == name for each in switches]
     with pytest.raises(SettingsError, match=r'navigator\.detector'):
-        NavigatorSettings(detector='none')
+        NavigatorSettings(detector=('none',))
 
 
 def test_no_accelerometer_bias_where_it_is_left_out():
     found, _ = navigated(measured(WALK, 9), acceleration_bias=0.0)
-    bias = found._state[kernel.X_FORCE_BIAS : kernel.X_FORCE_BIAS + 3]
+    bias = found._state[layout.X_FORCE_BIAS : layout.X_FORCE_BIAS + 3]
     assert not bias.any()
     free, _ = navigated(measured(WALK, 9))
-    assert free._state[kernel.X_FORCE_BIAS : kernel.X_FORCE_BIAS + 3].any()
+    assert free._state[layout.X_FORCE_BIAS : layout.X_FORCE_BIAS + 3].any()
 
 
 def test_strides_are_counted_from_stance_to_stance():

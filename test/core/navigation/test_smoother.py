@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
-from simulated_walks import measured, navigator, streamed, walk
+from simulated_walks import filtered, measured, navigator, streamed, walk
 
 from dead_reckoning.core import navigator as module
 from dead_reckoning.core import smoother as smoother_module
 from dead_reckoning.core.blocks import StateBlock
-from dead_reckoning.core.kernels import navigator as kernel
-from dead_reckoning.core.kernels.smoother import _undo, smooth
-from dead_reckoning.core.kernels.strapdown import ERRORS, carry
+from dead_reckoning.core.kernels.navigation import layout
+from dead_reckoning.core.kernels.navigation.layout import ERRORS
+from dead_reckoning.core.kernels.navigation.smoother import _undo, smooth
+from dead_reckoning.core.kernels.navigation.strapdown import carry
 from dead_reckoning.core.smoother import Smoother
 
 WALK = measured(walk(strides=4, turn=0.4), 1)
@@ -32,13 +33,10 @@ def test_it_is_that_of_rauch_tung_and_striebel():
     streamed(found, WALK.block().part(0, 1100))
     samples = np.concatenate([each[0] for each in kept])
     verdicts = np.concatenate([each[1] for each in kept])
-    rules, state = kept[0][3], kept[0][4]
-    n = len(samples)
-    out, trace = np.zeros((n, kernel.STATE_ROW)), np.zeros((n, kernel.TRACE_ROW))
-    log = np.zeros((9 * n, kernel.LOG_ROW))
-    n = kernel.navigate(samples, verdicts, rules, state, out, trace, log)
-    filtered = out[:n].copy()
-    smooth(trace[:n], log, rules[kernel.GRAVITY], np.zeros((16, 1)), np.zeros((16, 16)), out[:n])
+    rules, state = kept[0][4], kept[0][5]
+    out, trace, log = filtered(rules, state, samples, verdicts)
+    n, causal = len(out), out.copy()
+    smooth(trace, log, rules[layout.GRAVITY], np.zeros((16, 1)), np.zeros((16, 16)), out)
     used = slice(0, 15)  # the floor takes no part
     p = trace[:n, 33 : 33 + 256].reshape(n, 16, 16)
     correction, variance = np.zeros(15), p[-1][used, used]
@@ -46,50 +44,56 @@ def test_it_is_that_of_rauch_tung_and_striebel():
         row, begin = trace[k], int(trace[k - 1, -1])
         predicted, gained = p[k].copy(), np.zeros(ERRORS)
         for entry in log[begin : int(row[-1])]:
-            predicted += np.outer(entry[4:], entry[4:]) * entry[2]
-            gained += entry[4:] * entry[3]
+            gain = entry[3 : 3 + ERRORS]
+            predicted += np.outer(gain, gain) * entry[1]
+            gained += gain * entry[2]
         f = np.eye(ERRORS)
-        carry(f, row[0], rules[kernel.GRAVITY], tuple(row[1:10]), tuple(row[10:13]), row[13:16])
+        carry(f, row[0], rules[layout.GRAVITY], tuple(row[1:10]), tuple(row[10:13]), row[13:16])
         back = np.linalg.solve(predicted[used, used], (f @ p[k - 1])[used, used]).T
         correction = back @ (correction + gained[used])
         variance = p[k - 1][used, used] + back @ (variance - predicted[used, used]) @ back.T
-        position = filtered[k - 1, :3] + correction[:3]
+        position = causal[k - 1, :3] + correction[:3]
         np.testing.assert_allclose(out[k - 1, :3], position, atol=1e-8)
         spread = out[k - 1, 10:19].reshape(3, 3)
         np.testing.assert_allclose(spread, variance[:3, :3], rtol=1e-5, atol=1e-9)
-    assert np.abs(out[:n, :3] - filtered[:, :3]).max() > 1e-3  # it does something
+    assert np.abs(out[:n, :3] - causal[:, :3]).max() > 1e-3  # it does something
 
 
-@pytest.mark.parametrize(('i', 'j'), [(4, -1), (2, 15)])
-def test_it_goes_back_over_an_update(i, j):
+@pytest.mark.parametrize('of', [{4: 1.0}, {2: 1.0, 15: -1.0}, {3: 0.6, 4: -0.3, 9: 2.0}])
+def test_it_goes_back_over_an_update(of):
     random = np.random.default_rng(3)
     adjoint, root, gain = random.normal(size=(16, 1)), *random.normal(size=(2, 16, 16))
     information, gain = root @ root.T, gain[0]
     h = np.zeros((1, 16))
-    h[0, i] = 1.0
-    if j >= 0:
-        h[0, j] = -1.0
+    for i, share in of.items():
+        h[0, i] = share
     total, innovation = 0.7, -0.3
     kept = np.eye(16) - gain[:, None] @ h
     expected = kept.T @ adjoint - h.T * innovation / total
     spread = kept.T @ information @ kept + h.T @ h / total
-    _undo(np.array([i, j, total, innovation, *gain]), adjoint, information)
+    entry = np.array([layout.MEASURE, total, innovation, *gain, *h[0]])
+    _undo(entry, adjoint, information)
     np.testing.assert_allclose(adjoint, expected, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(information, spread, rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize('kind', [kernel.CLONE, kernel.FORGET])
-def test_it_goes_back_over_a_new_floor_and_a_gap(kind):
+@pytest.mark.parametrize('kind', [layout.CLONE, layout.FORGET, layout.TURN])
+def test_it_goes_back_over_what_is_no_measurement(kind):
     random = np.random.default_rng(4)
     adjoint, root = random.normal(size=(16, 1)), random.normal(size=(16, 16))
     information = root @ root.T
     step = np.eye(16)
-    if kind == kernel.CLONE:
+    forgotten, angle = np.zeros(16), 0.7
+    if kind == layout.CLONE:
         step[15] = step[2]
+    elif kind == layout.FORGET:
+        forgotten[[3, 4, 11]] = 1.0
+        step[[3, 4, 11]] = 0.0
     else:
-        step[3:6] = 0.0
+        turn = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+        step[3:5, 3:5] = step[6:8, 6:8] = turn
     expected, spread = step.T @ adjoint, step.T @ information @ step
-    _undo(np.array([kind, *np.zeros(19)], float), adjoint, information)
+    _undo(np.array([kind, angle, 0.0, *np.zeros(16), *forgotten]), adjoint, information)
     np.testing.assert_allclose(adjoint, expected, atol=1e-12)
     np.testing.assert_allclose(information, spread, atol=1e-12)
 
@@ -135,7 +139,7 @@ def test_blocks_give_what_the_stream_gives():
             found.update(streamed_part.sample(index))
         except module.NotLevelledError:
             assert not found.aligned
-    rows = np.zeros((len(block) - 300, kernel.ROW))
+    rows = np.zeros((len(block) - 300, layout.ROW))
     rows[:, 0] = np.diff(block.stamp_ns[299:]) / 1e9
     rows[:, 1:4], rows[:, 4:7] = block.specific_force[300:], block.angular_velocity[300:]
     rows[:, 7] = found._rate_variance

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from dead_reckoning.core.kernels.strapdown import (
-    ERRORS,
+from dead_reckoning.core.kernels.navigation.layout import ERRORS
+from dead_reckoning.core.kernels.navigation.strapdown import (
     carry,
     carry_back,
     increments,

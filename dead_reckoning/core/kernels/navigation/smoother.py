@@ -6,15 +6,18 @@ import numpy as np
 
 from dead_reckoning.core.kernels import compiled
 from dead_reckoning.core.kernels.columns import Array, triple
-from dead_reckoning.core.kernels.navigator import (
+from dead_reckoning.core.kernels.navigation.filter import put_state
+from dead_reckoning.core.kernels.navigation.layout import (
     CLONE,
+    ERRORS,
+    FLOOR,
     FORGET,
     TRACE_ROW,
+    TURN,
     X,
-    _put_state,
-    correct,
 )
-from dead_reckoning.core.kernels.strapdown import ERRORS, FLOOR, VELOCITY, carry_back, transpose
+from dead_reckoning.core.kernels.navigation.measurement import correct, turn_errors
+from dead_reckoning.core.kernels.navigation.strapdown import carry_back, transpose
 
 PUBLISHED = 12
 """Errors whose covariance comes out."""
@@ -49,7 +52,7 @@ def smooth(
         correct(x, dx)
         _shrink(p, information, half, smoothed)
         rate, noise = triple(row[TRACE_ROW - 5 : TRACE_ROW - 2]), row[TRACE_ROW - 2]
-        _put_state(out[k], x, smoothed, rate, noise)
+        put_state(out[k], x, smoothed, rate, noise)
         begin = int(trace[k - 1, TRACE_ROW - 1]) if k > 0 else 0
         for m in range(int(row[TRACE_ROW - 1]) - 1, begin - 1, -1):
             _undo(log[m], adjoint, information)
@@ -80,14 +83,14 @@ def _shrink(p: Array, information: Array, half: Array, smoothed: Array) -> None:
 
 def _undo(entry: Array, adjoint: Array, information: Array) -> None:
     """Go back over one entry of the log."""
-    i, j = int(entry[0]), int(entry[1])
-    if i == FORGET:
-        for a in range(VELOCITY, VELOCITY + 3):
-            adjoint[a, 0] = 0.0
-            for b in range(ERRORS):
-                information[a, b] = information[b, a] = 0.0
-        return
-    if i == CLONE:  # the floor was the height: what is known of it goes there
+    what, gain, h = entry[0], entry[3 : 3 + ERRORS], entry[3 + ERRORS :]
+    if what == FORGET:
+        for a in range(ERRORS):
+            if h[a] != 0.0:
+                adjoint[a, 0] = 0.0
+                for b in range(ERRORS):
+                    information[a, b] = information[b, a] = 0.0
+    elif what == CLONE:  # the floor was the height: what is known of it goes there
         adjoint[2, 0] += adjoint[FLOOR, 0]
         adjoint[FLOOR, 0] = 0.0
         for a in range(ERRORS):
@@ -96,30 +99,29 @@ def _undo(entry: Array, adjoint: Array, information: Array) -> None:
             information[a, 2] += information[a, FLOOR]
         for a in range(ERRORS):
             information[FLOOR, a] = information[a, FLOOR] = 0.0
-        return
-    total, innovation, gain = entry[2], entry[3], entry[4:]
-    along, across = 0.0, np.zeros(ERRORS)
+    elif what == TURN:
+        turn_errors(adjoint, -entry[1])
+        turn_errors(information, -entry[1])
+        transpose(information)
+        turn_errors(information, -entry[1])
+    else:
+        _unmeasure(entry[1], entry[2], gain, h, adjoint, information)
+
+
+def _unmeasure(
+    total: float, innovation: float, gain: Array, h: Array, adjoint: Array, information: Array
+) -> None:
+    """Go back over a measurement of H · errors."""
+    along, across = innovation / total, np.zeros(ERRORS)
     weight = 1.0 / total
     for a in range(ERRORS):
         along += gain[a] * adjoint[a, 0]
         for b in range(ERRORS):
             across[a] += information[a, b] * gain[b]
         weight += across[a] * gain[a]
-    along += innovation / total
-    _add(i, j, 1.0, along, across, adjoint, information)
-    if j >= 0:
-        _add(j, i, -1.0, along, across, adjoint, information)
-        information[i, j] -= weight
-        information[j, i] -= weight
-        information[j, j] += weight
-    information[i, i] += weight
-
-
-def _add(
-    i: int, j: int, sign: float, along: float, across: Array, adjoint: Array, information: Array
-) -> None:
-    """Take off Hᵀ times what the gain spreads, for one element of H."""
-    adjoint[i, 0] -= sign * along
-    for a in range(ERRORS):
-        information[i, a] -= sign * across[a]
-        information[a, i] -= sign * across[a]
+    for i in range(ERRORS):
+        if h[i] != 0.0:
+            adjoint[i, 0] -= h[i] * along
+            for a in range(ERRORS):
+                information[i, a] += h[i] * (weight * h[a] - across[a])
+                information[a, i] -= h[i] * across[a]

@@ -17,9 +17,6 @@ from dead_reckoning.core.rotation import (
 )
 from dead_reckoning.core.samples import Matrix, Quaternion, Vector
 
-POSITION, VELOCITY, ATTITUDE, RATE_BIAS, FORCE_BIAS, FLOOR, ERRORS = 0, 3, 6, 9, 12, 15, 16
-"""Where each error begins, and how many there are."""
-
 UNEVEN = 0.2
 """A step before that is shorter than this part of one says nothing about the curvature."""
 

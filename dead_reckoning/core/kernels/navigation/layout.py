@@ -1,0 +1,118 @@
+"""Where things are in the arrays of the navigator's kernels.
+
+The whole state is one array and so are the rules, as each array that a compiled function takes
+costs a tenth of a microsecond.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from dead_reckoning.core.kernels.columns import Array
+
+POSITION, VELOCITY, ATTITUDE, RATE_BIAS, FORCE_BIAS, FLOOR, ERRORS = 0, 3, 6, 9, 12, 15, 16
+"""Where each error begins, and how many there are."""
+
+ROW = 8
+"""Columns of a sample: step [s] since the one before, force (3), rate (3), variance of the rate.
+A step below 0 stands for no sample: one that waits for its verdict is taken."""
+
+AID_ROW = 11
+"""Columns of what else is known of a sample: row with which that sample is filtered, kind, values.
+"""
+
+YAW, NORTH, LEVEL = range(3)
+"""Kinds of these, and their values: yaw [rad], its variance, that of a measurement of it, time [s]
+by which it is older than the sample; the first yaw there is, and its variance; mean force and rate
+of a rest (6), their variances."""
+
+(
+    ACCELERATION_NOISE, SAMPLING_NOISE, RATE_NOISE, RATE_WALK, ACCELERATION_WALK, ZERO_VELOCITY,
+    STANCE_VELOCITY, PIVOT, HEIGHT, CORRELATION, GATE, PATIENCE, ZERO_RATE, STILL_WINDOW,
+    STILL_DEVIATION, STILL_NOISE, SWAY, FLOOR_DEVIATION, FLOOR_GATE, FLOOR_SLOPE, MAX_GAP,
+    GAP_SPEED, GAP_TURN, FORCE_RANGE, RATE_RANGE, AXIS_GATE, GRAVITY_DIRECTION, HELD_VELOCITY,
+    HELD_TIME, NONHOLONOMIC, SLIP, SLIP_ANGLE, SLIP_TIME, AXLE, GRAVITY, STILL_SAMPLES, DELAY,
+    RULES,
+) = (*range(34), 36, 37, 38, 39)  # fmt: skip
+"""Elements of the rules: settings of these names (the axle has three), gravity [m/s²], samples of
+the still window, delay of the verdicts; and how many."""
+
+X_POSITION, X_VELOCITY, X_RATE_BIAS, X_FORCE_BIAS, X_FLOOR, X_ATTITUDE, X = 0, 3, 6, 9, 12, 13, 17
+"""Elements of what is estimated."""
+
+COVARIANCE = X
+"""Begin of the covariance of the errors, shape (16, 16)."""
+
+FORCE = COVARIANCE + ERRORS * ERRORS
+RATE = FORCE + 3
+FORCE_BEFORE = RATE + 3
+RATE_BEFORE = FORCE_BEFORE + 3
+"""The last two samples, and"""
+STEP = RATE_BEFORE + 3
+SEEN = STEP + 1
+"""the step between them, and whether there was one."""
+STOOD = SEEN + 1
+FLOOR_KNOWN = STOOD + 1
+STANCE = FLOOR_KNOWN + 1
+"""Whether the body stood, and on a known floor; where its last stance was (2)."""
+REFUSED = STANCE + 2
+RATE_REFUSED = REFUSED + 1
+"""Time [s] of velocities, and of rates, at rest that were refused."""
+HELD = RATE_REFUSED + 1
+HOLDS = HELD + 1
+HOLD = HOLDS + 1
+"""Time, count and sum (3) of the rates of a rest."""
+NOISE = HOLD + 3
+STILL_COUNT = NOISE + 1
+SUMS = STILL_COUNT + 1
+SQUARES = SUMS + 3
+"""The least variance of the rate, and what it is found from."""
+HEAD = SQUARES + 1
+WAITING = HEAD + 1
+"""First and number of the samples that wait for their verdict."""
+LOGGED = WAITING + 1
+"""End of the log."""
+COUNTS = LOGGED + 1
+
+(
+    ZUPT, ZUPT_REFUSED, ZARU, ZARU_REFUSED, ON_FLOOR, NEW_FLOOR, COMPASS, COMPASS_REFUSED, BOUNDED,
+    BOUNDED_REFUSED, ROLLING, ROLLING_REFUSED, GAP, SATURATED, COUNTED,
+) = range(15)  # fmt: skip
+"""What is counted, and how many counts there are."""
+
+RINGS = COUNTS + COUNTED
+"""Begin of the rings: rates of the still window, samples that wait."""
+
+STATE_ROW = 52
+"""Columns of a state: position, velocity, attitude (10); their covariances (27); rate and its
+covariance (12); statistic, threshold, stationary."""
+
+TRACE_ROW = 294
+"""Columns of what the smoother needs of a sample: step, matrix before it, way, velocity (16); what
+is estimated (17) and its covariance (256); rate and its variance (4); end of its log."""
+
+LOG_ROW = 3 + 2 * ERRORS
+"""Columns of the log: what was done; variance and innovation, gain (16), and of which errors (16).
+"""
+
+MEASURE, CLONE, FORGET, TURN = range(4)
+"""What the log says was done: a measurement; a new floor; errors forgotten; the world turned, by
+an angle in place of the variance."""
+
+
+class Filter(NamedTuple):
+    """All that an update works on.
+
+    ``p``, shape (16, 16), ``rates`` and ``line`` are views of the state.  ``h``, shape (16,), says
+    of which errors the next measurement is; ``dx`` are the corrections so far, ``gain`` is room.
+    """
+
+    rules: Array
+    state: Array
+    p: Array
+    rates: Array
+    line: Array
+    h: Array
+    dx: Array
+    gain: Array
+    log: Array

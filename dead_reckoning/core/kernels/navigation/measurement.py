@@ -1,0 +1,168 @@
+"""Take a measurement into the state and its covariance."""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+from dead_reckoning.core.kernels.columns import Array, triple
+from dead_reckoning.core.kernels.navigation.layout import (
+    ATTITUDE,
+    ERRORS,
+    FLOOR,
+    FORCE_BIAS,
+    FORGET,
+    LOGGED,
+    MEASURE,
+    RATE_BIAS,
+    TURN,
+    VELOCITY,
+    X_ATTITUDE,
+    X_FLOOR,
+    X_FORCE_BIAS,
+    X_POSITION,
+    X_RATE_BIAS,
+    X_VELOCITY,
+    Filter,
+)
+from dead_reckoning.core.kernels.navigation.strapdown import cross, mirror, transpose
+from dead_reckoning.core.rotation import composed, quaternion_from_turn, unit
+from dead_reckoning.core.samples import Quaternion, Vector
+
+
+def measure(f: Filter, innovation: float, variance: float) -> None:
+    """Measure ``f.h`` · errors, and clear ``f.h``; the correction waits in ``f.dx``.
+
+    ``innovation`` is that without the corrections that wait, ``variance`` that of the measurement.
+    """
+    p, h, dx, gain = f.p, f.h, f.dx, f.gain
+    total = project(f) + variance
+    known = 0.0
+    for a in range(ERRORS):
+        if h[a] != 0.0:
+            known += h[a] * dx[a]
+    innovation -= known
+    inverse = 1.0 / total
+    for a in range(ERRORS):
+        share = gain[a] * inverse
+        dx[a] += share * innovation
+        for b in range(a, ERRORS):
+            p[a, b] -= share * gain[b]
+    mirror(p)
+    entry = enter(f, MEASURE)
+    if entry >= 0:
+        f.log[entry, 1], f.log[entry, 2] = total, innovation
+        for a in range(ERRORS):
+            f.log[entry, 3 + a] = gain[a] * inverse
+    clear(h)
+
+
+def project(f: Filter) -> float:
+    """Write P Hᵀ into ``f.gain`` and return H P Hᵀ."""
+    p, h, gain = f.p, f.h, f.gain
+    clear(gain)
+    for b in range(ERRORS):
+        if h[b] != 0.0:
+            for a in range(ERRORS):
+                gain[a] += h[b] * p[b, a]
+    total = 0.0
+    for b in range(ERRORS):
+        if h[b] != 0.0:
+            total += h[b] * gain[b]
+    return total
+
+
+def enter(f: Filter, what: int) -> int:
+    """Begin an entry of the log, with ``f.h`` in it; return its place, −1 where none is kept."""
+    entry = int(f.state[LOGGED])
+    f.state[LOGGED] = entry + 1
+    if entry >= len(f.log):
+        return -1
+    f.log[entry, 0] = what
+    for a in range(ERRORS):
+        f.log[entry, 3 + ERRORS + a] = f.h[a]
+    return entry
+
+
+def clear(vector: Array) -> None:
+    """Write zeros."""
+    for a in range(len(vector)):
+        vector[a] = 0.0
+
+
+def nis(p: Array, variance: float, y: Vector) -> float:
+    """Return yᵀ S⁻¹ y of the velocity, S = P_ξξ + variance · I."""
+    x0, x1, x2 = y
+    a, b, c = p[3, 3] + variance, p[3, 4], p[3, 5]
+    d, e, f = p[4, 4] + variance, p[4, 5], p[5, 5] + variance
+    u, v, w = d * f - e * e, c * e - b * f, b * e - c * d
+    value = u * x0 * x0 + (a * f - c * c) * x1 * x1 + (a * d - b * b) * x2 * x2
+    value += 2.0 * (v * x0 * x1 + w * x0 * x2 + (b * c - a * e) * x1 * x2)
+    return float(value / (a * u + b * v + c * w))
+
+
+def forget(f: Filter) -> None:
+    """Let go of the errors that ``f.h`` marks, and clear ``f.h``; their variances are 0 then."""
+    for a in range(ERRORS):
+        if f.h[a] != 0.0:
+            for b in range(ERRORS):
+                f.p[a, b] = f.p[b, a] = 0.0
+    enter(f, FORGET)
+    clear(f.h)
+
+
+def turn_world(f: Filter, angle: float) -> None:
+    """Turn velocity and attitude about the vertical by an angle [rad]; the position stays."""
+    x = f.state
+    turn = quaternion_from_turn((0.0, 0.0, angle))
+    put_attitude(x, composed(turn, attitude_of(x)))
+    c, s = cos(angle), sin(angle)
+    vx, vy = x[X_VELOCITY], x[X_VELOCITY + 1]
+    x[X_VELOCITY], x[X_VELOCITY + 1] = c * vx - s * vy, s * vx + c * vy
+    turn_errors(f.p, angle)
+    transpose(f.p)
+    turn_errors(f.p, angle)
+    mirror(f.p)
+    entry = enter(f, TURN)
+    if entry >= 0:
+        f.log[entry, 1] = angle
+
+
+def turn_errors(m: Array, angle: float) -> None:
+    """Turn the rows of velocity and attitude of m, shape (16, n), about the vertical."""
+    c, s = cos(angle), sin(angle)
+    for i in (VELOCITY, ATTITUDE):
+        for j in range(m.shape[1]):
+            x, y = m[i, j], m[i + 1, j]
+            m[i, j], m[i + 1, j] = c * x - s * y, s * x + c * y
+
+
+def inject(f: Filter) -> None:
+    """Correct the state, and let the velocity turn with the attitude."""
+    correct(f.state, f.dx)
+    clear(f.dx)
+
+
+def correct(x: Array, dx: Array) -> None:
+    """Add errors, shape (16,), to what is estimated, shape (≥ 17,)."""
+    turn = triple(dx[ATTITUDE : ATTITUDE + 3])
+    turned = cross(turn, triple(x[X_VELOCITY : X_VELOCITY + 3]))
+    for i in range(3):
+        x[X_POSITION + i] += dx[i]
+        x[X_VELOCITY + i] += dx[VELOCITY + i] + turned[i]
+        x[X_RATE_BIAS + i] += dx[RATE_BIAS + i]
+        x[X_FORCE_BIAS + i] += dx[FORCE_BIAS + i]
+    x[X_FLOOR] += dx[FLOOR]
+    put_attitude(x, composed(quaternion_from_turn(turn), attitude_of(x)))
+
+
+def attitude_of(state: Array) -> Quaternion:
+    """Return the attitude in a state."""
+    a = X_ATTITUDE
+    return state[a], state[a + 1], state[a + 2], state[a + 3]
+
+
+def put_attitude(state: Array, attitude: Quaternion) -> None:
+    """Write an attitude, at unit length, into a state."""
+    attitude = unit(attitude)
+    for i in range(4):
+        state[X_ATTITUDE + i] = attitude[i]

@@ -1,0 +1,126 @@
+"""Carry state and covariance to the next sample, or over a gap."""
+
+from __future__ import annotations
+
+from dead_reckoning.core.kernels.columns import Array, put, triple
+from dead_reckoning.core.kernels.navigation.layout import (
+    ACCELERATION_NOISE,
+    ACCELERATION_WALK,
+    ATTITUDE,
+    COUNTS,
+    FORCE,
+    FORCE_BEFORE,
+    FORCE_BIAS,
+    FORCE_RANGE,
+    GAP,
+    GAP_SPEED,
+    GAP_TURN,
+    GRAVITY,
+    RATE,
+    RATE_BEFORE,
+    RATE_BIAS,
+    RATE_NOISE,
+    RATE_RANGE,
+    RATE_REFUSED,
+    RATE_WALK,
+    REFUSED,
+    SAMPLING_NOISE,
+    SATURATED,
+    STEP,
+    STILL_COUNT,
+    VELOCITY,
+    X_FORCE_BIAS,
+    X_POSITION,
+    X_RATE_BIAS,
+    X_VELOCITY,
+    Filter,
+)
+from dead_reckoning.core.kernels.navigation.measurement import (
+    attitude_of,
+    forget,
+    put_attitude,
+)
+from dead_reckoning.core.kernels.navigation.strapdown import (
+    added,
+    carry,
+    increments,
+    integral,
+    mirror,
+    moved,
+    spread,
+    transpose,
+)
+from dead_reckoning.core.samples import Vector
+
+
+def predict(dt: float, force: Vector, rate: Vector, f: Filter, trace: Array) -> None:
+    """Carry state and covariance to the next sample."""
+    rules, state, p = f.rules, f.state, f.p
+    gravity = rules[GRAVITY]
+    f1, f0 = _unbiased(state, FORCE, X_FORCE_BIAS), _unbiased(state, FORCE_BEFORE, X_FORCE_BIAS)
+    w1, w0 = _unbiased(state, RATE, X_RATE_BIAS), _unbiased(state, RATE_BEFORE, X_RATE_BIAS)
+    f2 = added(force, triple(state[X_FORCE_BIAS : X_FORCE_BIAS + 3]), -1.0)
+    w2 = added(rate, triple(state[X_RATE_BIAS : X_RATE_BIAS + 3]), -1.0)
+    turn = integral(dt, state[STEP], w2, w1, w0)
+    push = integral(dt, state[STEP], f2, f1, f0)
+    turn, push = increments(dt, turn, push, w1, w2, f1, f2)
+    velocity = triple(state[X_VELOCITY : X_VELOCITY + 3])
+    way, velocity, attitude, rot_ws = moved(dt, gravity, velocity, attitude_of(state), turn, push)
+    for i in range(3):
+        state[X_POSITION + i] += way[i]
+        state[X_VELOCITY + i] = velocity[i]
+    put_attitude(state, attitude)
+    carry(p, dt, gravity, rot_ws, way, velocity)
+    transpose(p)
+    carry(p, dt, gravity, rot_ws, way, velocity)
+    x, y, z = added(f2, f1, -1.0)
+    hidden = rules[SAMPLING_NOISE] * dt
+    of_velocity = rules[ACCELERATION_NOISE] ** 2 * dt + hidden * hidden * (x * x + y * y + z * z)
+    of_rate = rules[RATE_NOISE] ** 2 * dt
+    if _reaches(force, rules[FORCE_RANGE]) or _reaches(rate, rules[RATE_RANGE]):
+        state[COUNTS + SATURATED] += 1.0
+    if _reaches(force, rules[FORCE_RANGE]):
+        of_velocity += (rules[FORCE_RANGE] * dt) ** 2
+    if _reaches(rate, rules[RATE_RANGE]):
+        of_rate += (rules[RATE_RANGE] * dt) ** 2
+    spread(p, velocity, of_velocity, of_rate)
+    for i in range(3):
+        p[RATE_BIAS + i, RATE_BIAS + i] += rules[RATE_WALK] ** 2 * dt
+        p[FORCE_BIAS + i, FORCE_BIAS + i] += rules[ACCELERATION_WALK] ** 2 * dt
+    mirror(p)
+    if len(trace):
+        trace[0, 0] = dt
+        for i in range(9):
+            trace[0, 1 + i] = rot_ws[i]
+        put(trace[0, 10:13], way)
+        put(trace[0, 13:16], velocity)
+
+
+def _unbiased(state: Array, begin: int, bias: int) -> Vector:
+    """Return three elements of the state less a bias."""
+    return (
+        state[begin] - state[bias],
+        state[begin + 1] - state[bias + 1],
+        state[begin + 2] - state[bias + 2],
+    )
+
+
+def _reaches(vector: Vector, full_scale: float) -> bool:
+    """Say whether an axis reaches its full scale, where that is known."""
+    x, y, z = vector
+    return full_scale > 0.0 and max(abs(x), abs(y), abs(z)) >= 0.999 * full_scale
+
+
+def skip(dt: float, f: Filter) -> None:
+    """Hold position and attitude over a gap, and forget the velocity."""
+    rules, state, p = f.rules, f.state, f.p
+    state[COUNTS + GAP] += 1.0
+    state[STILL_COUNT] = state[REFUSED] = state[RATE_REFUSED] = 0.0
+    for i in range(3):
+        state[X_VELOCITY + i] = 0.0
+        f.h[VELOCITY + i] = 1.0
+    forget(f)
+    for i in range(3):
+        p[VELOCITY + i, VELOCITY + i] = rules[GAP_SPEED] ** 2
+        p[i, i] += (rules[GAP_SPEED] * dt) ** 2
+        p[ATTITUDE + i, ATTITUDE + i] += (rules[GAP_TURN] * dt) ** 2

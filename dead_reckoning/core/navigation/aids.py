@@ -1,0 +1,57 @@
+"""Keep what is known beside the samples until the sample of its time is filtered."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+
+import numpy as np
+
+from dead_reckoning.core.blocks import Array, Stamps
+from dead_reckoning.core.kernels.navigation import layout
+from dead_reckoning.core.samples import NANOSECONDS
+
+LONGEST = 256
+"""So many wait at most: more are ahead of the samples by more than any transport is."""
+
+NO_AIDS = np.empty((0, layout.AID_ROW))
+
+
+class Aids:
+    """Hand each over with the first sample that is not before it and not filtered yet.
+
+    What comes late is thus taken late, and says by how much.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: deque[tuple[int, int, Sequence[float]]] = deque(maxlen=LONGEST)
+
+    def __len__(self) -> int:
+        """Return how many wait."""
+        return len(self._waiting)
+
+    def clear(self) -> None:
+        """Drop those that wait."""
+        self._waiting.clear()
+
+    def add(self, stamp_ns: int, kind: int, values: Sequence[float]) -> None:
+        """Take one, of a kind of `layout`; its age is added to the values."""
+        self._waiting.append((stamp_ns, kind, values))
+
+    def due(self, stamps: Stamps, first: int, rows: int) -> Array:
+        """Return those that the next rows take, shape (m, AID_ROW).
+
+        ``stamps`` are those of the samples that are not filtered yet, of which sample i is
+        filtered with row ``first`` + i.
+        """
+        made, kept = [], deque(self._waiting)
+        self._waiting.clear()
+        for stamp_ns, kind, values in kept:
+            index = int(np.searchsorted(stamps, stamp_ns))
+            if index + first >= rows or index == len(stamps):
+                self._waiting.append((stamp_ns, kind, values))
+                continue
+            age = (int(stamps[index]) - stamp_ns) / NANOSECONDS
+            padding = (layout.AID_ROW - 3 - len(values)) * (0.0,)
+            made.append((index + first, kind, *values, age, *padding))
+        return np.array(sorted(made, key=lambda row: row[0])) if made else NO_AIDS

@@ -1,0 +1,131 @@
+"""Align the navigator at rest: what its filter begins with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dead_reckoning.core.blocks import Array, Stamps
+from dead_reckoning.core.errors import NotLevelledError
+from dead_reckoning.core.kernels.navigation import layout
+from dead_reckoning.core.navigation.settings import NavigatorSettings
+from dead_reckoning.core.rest import check_gravity, level_variances
+from dead_reckoning.core.rest_search import RestSearch, Stillness
+from dead_reckoning.core.rotation import euler_from_gravity, quaternion_from_euler
+from dead_reckoning.core.samples import NANOSECONDS, ImuSample, Vector
+
+KNOWN = 1e-10
+"""Variance of what is zero by definition at the start: position and yaw [m², rad²]."""
+
+AT_REST = 1e-4
+"""Variance of the velocity at the start [m²/s²]."""
+
+RULES = (
+    'acceleration_noise', 'sampling_noise', 'rate_noise', 'rate_walk', 'acceleration_walk',
+    'zero_velocity', 'stance_velocity', 'pivot', 'height', 'correlation', 'gate', 'patience',
+    'axis_gate', 'zero_rate', 'still_window', 'still_deviation', 'still_noise', 'sway',
+    'floor_deviation', 'floor_gate', 'floor_slope', 'max_gap', 'gap_speed', 'force_range',
+    'rate_range', 'gravity_direction', 'held_velocity', 'held_time', 'nonholonomic', 'slip',
+    'slip_angle', 'slip_time',
+)  # fmt: skip
+"""Settings that the kernel takes as they are, under the same names."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rest:
+    """A rest to align at: what it showed, gravity [m/s²], and its samples.
+
+    ``rows``, shape (n, ROW), and ``stamps``, shape (n,), are as kernels take them, ``rate`` [Hz]
+    is how many there are in a second.
+    """
+
+    still: Stillness
+    gravity: float
+    rows: Array
+    stamps: Stamps
+    rate: float
+
+
+class Alignment:
+    """Collect the samples of the first rest."""
+
+    def __init__(self, settings: NavigatorSettings) -> None:
+        self._settings = settings
+        self.clear()
+
+    def clear(self) -> None:
+        """Look for rest anew."""
+        self._search = RestSearch(self._settings, with_rate=True)
+        self._stamps: list[int] = []
+        self._rows: list[tuple[float, ...]] = []
+
+    def add(self, imu: ImuSample, rate_variance: float) -> Rest:
+        """Take a sample; return the rest once there is one.
+
+        Raises `NotLevelledError` before, and `NotAtRestError` or `GravityError` where the window
+        that is full now was none; it begins anew then.
+        """
+        self._stamps.append(imu.stamp_ns)
+        turn = imu.angular_velocity or ()
+        self._rows.append((0.0, *imu.specific_force, *turn, rate_variance))
+        stamps, rows = self._stamps, self._rows
+        still = self._search.add(imu)
+        if still is None:
+            raise NotLevelledError(
+                'waiting for rest: the tilt is taken from gravity, so keep the device still '
+                f'for {self._settings.rest_duration:g} s'
+            )
+        gravity = check_gravity(still.force.mean)
+        samples = np.array(rows)
+        samples[1:, 0] = np.diff(stamps) / NANOSECONDS
+        rate = (len(stamps) - 1) * NANOSECONDS / (stamps[-1] - stamps[0])
+        return Rest(still, gravity, samples, np.array(stamps), rate)
+
+
+def first_state(
+    rest: Rest, yaw: float, yaw_variance: float, settings: NavigatorSettings, rings: int
+) -> tuple[Array, str]:
+    """Return the state that the filter begins with, and what it is in words."""
+    state = np.zeros(layout.RINGS + rings)
+    roll, pitch = euler_from_gravity(rest.still.force.mean)
+    begin = layout.X_ATTITUDE
+    state[begin : begin + 4] = quaternion_from_euler(roll, pitch, yaw)
+    state[layout.NOISE] = -1.0  # no rest yet
+    variances = np.full(layout.ERRORS, KNOWN)
+    variances[layout.VELOCITY : layout.VELOCITY + 3] = AT_REST
+    # At rest a bias of the accelerometer shows as a tilt, so the prior of both is the same.
+    tilt = (settings.acceleration_bias / rest.gravity) ** 2
+    tilt += level_variances(rest.still.force)[1]
+    variances[layout.ATTITUDE : layout.ATTITUDE + 2] = tilt
+    variances[layout.ATTITUDE + 2] = yaw_variance
+    variances[layout.RATE_BIAS : layout.RATE_BIAS + 3] = settings.rate_bias**2
+    variances[layout.FORCE_BIAS : layout.FORCE_BIAS + 3] = settings.acceleration_bias**2
+    covariance = np.diag(variances).ravel()
+    state[layout.COVARIANCE : layout.COVARIANCE + len(covariance)] = covariance
+    return state, said(rest.gravity, rest.still.force.mean)
+
+
+def said(gravity: float, force: Vector) -> str:
+    """Say in words what a rest showed; ``force`` shape (3,) [m/s²], frame of the sensor."""
+    roll, pitch = euler_from_gravity(force)
+    return (
+        f'gravity is {gravity:.4f} m/s², roll {np.degrees(roll):.3f}°, '
+        f'pitch {np.degrees(pitch):.3f}°'
+    )
+
+
+def rules_of(settings: NavigatorSettings, gap_turn: float, rate: float, delay: int) -> Array:
+    """Return what the kernel goes by, but for gravity; ``rate`` of samples [Hz]."""
+    rules = np.zeros(layout.RULES)
+    for name in RULES:
+        rules[getattr(layout, name.upper())] = getattr(settings, name)
+    rules[layout.AXLE : layout.AXLE + 3] = settings.axle
+    if not settings.floor:
+        rules[layout.FLOOR_DEVIATION] = 0.0
+    if settings.acceleration_bias == 0.0:
+        rules[layout.ACCELERATION_WALK] = 0.0
+    rules[layout.GAP_TURN] = gap_turn
+    rules[layout.STILL_SAMPLES] = max(4, round(settings.still_window * rate))
+    rules[layout.DELAY] = delay
+    return rules
