@@ -10,20 +10,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from benchmarks.accuracy import pictures
-from benchmarks.accuracy.inertial import Recording, foot_mounted, live
+from benchmarks.accuracy.inertial import FOOT, Recording, Values, live
 from benchmarks.accuracy.report import Goal, Report
 from benchmarks.accuracy.simulated_walks import Walk, measured, walk
 from dead_reckoning.core.blocks import StateBlock
-from dead_reckoning.core.navigation.settings import NavigatorSettings
-from dead_reckoning.core.parameters import Settings
-from dead_reckoning.core.stationarity.angular_rate import AngularRateSettings
 
 Array = NDArray[np.float64]
 
@@ -46,9 +42,8 @@ class Case:
     name: str
     true: Walk
     sensor: Mapping[str, float]
-    settings: NavigatorSettings
+    values: Values
     times: tuple[float, ...]
-    of_detector: Settings | None = None
     assumed: bool = True
 
 
@@ -66,24 +61,25 @@ def gait_as_assumed() -> Case:
 
     Where the foot stands, its rate is but the bias; so that is the threshold of the detector.
     """
-    believed: dict[str, Any] = {
-        'acceleration_noise': 0.03, 'sampling_noise': 0.0, 'acceleration_bias': 0.05,
-        'acceleration_walk': 0.0, 'rate_walk': 0.0, 'rest_deviation': 1.0,
-        'rest_rate_deviation': 0.05, 'stance_velocity': 1e-5, 'pivot': 0.0, 'height': 0.0,
-        'still_deviation': 0.0, 'floor': False, 'detector': 'angular_rate', 'exponent': 0.1,
-    }  # fmt: skip
-    settings = NavigatorSettings(**believed)
     sensor = {
-        'force_noise': settings.acceleration_noise, 'rate_noise': settings.rate_noise,
-        'force_bias': settings.acceleration_bias, 'rate_bias': settings.rate_bias, 'scale': 0.0,
+        'force_noise': 0.03, 'rate_noise': 3e-4, 'force_bias': 0.05, 'rate_bias': 0.0035,
+        'scale': 0.0,
     }  # fmt: skip
-    detector = AngularRateSettings(least=0.03)
-    return Case('gait, filter told the truth', gait(), sensor, settings, SWINGS, detector)
+    believed = {
+        'acceleration_noise': sensor['force_noise'], 'rate_noise': sensor['rate_noise'],
+        'acceleration_bias': sensor['force_bias'], 'rate_bias': sensor['rate_bias'],
+        'sampling_noise': 0.0, 'acceleration_walk': 0.0, 'rate_walk': 0.0,
+        'rest_deviation': 1.0, 'rest_rate_deviation': 0.05, 'stance_velocity': 1e-5,
+        'pivot': 0.0, 'height': 0.0, 'zero_rate': False, 'floor': False,
+        'detector': ['angular_rate'], 'angular_rate.least': 0.03, 'exponent': 0.1,
+    }  # fmt: skip
+    values = {**FOOT, **{f'navigator.{name}': value for name, value in believed.items()}}
+    return Case('gait, filter told the truth', gait(), sensor, values, SWINGS)
 
 
 def gait_by_default() -> Case:
     """Return the same foot with an ordinary sensor, and the settings of all feet."""
-    return Case('gait, settings of all feet', gait(), {}, foot_mounted(), SWINGS, assumed=False)
+    return Case('gait, settings of all feet', gait(), {}, FOOT, SWINGS, assumed=False)
 
 
 CASES: tuple[Callable[[], Case], ...] = (gait_as_assumed, gait_by_default)
@@ -132,7 +128,7 @@ def normalized_errors(case: Case) -> Array:
 def _normalized(case: Case, seed: int) -> Array:
     drawn = measured(case.true, seed, **case.sensor)
     recording = Recording('', drawn.time, drawn.force, drawn.rate)
-    states = live(recording, case.settings, case.of_detector).states
+    states = live(recording, case.values).states
     first = len(drawn.time) - len(states)
     samples = np.searchsorted(drawn.time, case.times)
     return np.array([_errors(case.true, k, states, k - first) for k in samples.tolist()])

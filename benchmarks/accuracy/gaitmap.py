@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.accuracy import pictures
-from benchmarks.accuracy.inertial import START_NS, Recording, Way, foot_mounted, ways
+from benchmarks.accuracy.inertial import FOOT, START_NS, Recording, Way, ways
 from benchmarks.accuracy.report import Report
 from benchmarks.accuracy.signals import root_mean_square
 from dead_reckoning.core.errors import RecordingError
@@ -86,7 +86,7 @@ def stride_lengths(path: Path, foot: str) -> dict[str, Array]:
     true = lengths_between(heel_w, frames)
     known = np.isfinite(true)
     found = {'true': true[known]}
-    for name, way in ways(recording, foot_mounted()).items():
+    for name, way in ways(recording, FOOT).items():
         found[name] = lengths_between(way.states.position, in_states(way, borders[known]))
     return found
 

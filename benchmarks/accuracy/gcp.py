@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from benchmarks.accuracy.inertial import (
     CAUSAL,
+    FOOT,
     SMOOTHED,
     Recording,
-    foot_mounted,
     landings,
     numbers,
     ways,
@@ -76,7 +76,7 @@ def load(path: Path) -> tuple[Loop, int]:
         time, force_g, turn_s, corners, at, true, ok = numbers(path, data, KEYS)
     if not np.allclose(corners[0], corners[-1]):
         raise RecordingError(f'{path}: ends at {corners[-1]}, not where it began; leave it out')
-    found = ways(Recording(path.stem, time, force_g * GRAVITY, turn_s), foot_mounted())
+    found = ways(Recording(path.stem, time, force_g * GRAVITY, turn_s), FOOT)
     known_w, passed = np.zeros((1, 2)), np.array([-1])
     causal = found[CAUSAL].states
     landed = landings(causal)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.accuracy import pictures
-from benchmarks.accuracy.inertial import Recording, held, ways
+from benchmarks.accuracy.inertial import HELD, Recording, ways
 from benchmarks.accuracy.report import Goal, Report
 from benchmarks.accuracy.signals import root_mean_square, rotations
 from benchmarks.accuracy.trial import Trial, load
@@ -46,7 +46,7 @@ def measure(path: Path, output: Path) -> Report:
     recording = Recording(path.stem, time, trial.force_s, trial.turn_s)
     errors: dict[str, Array] = {}
     sigma = np.full(len(truth_s), np.nan)
-    for name, way in ways(recording, held()).items():
+    for name, way in ways(recording, HELD).items():
         states = way.states
         at = np.searchsorted(recording.stamps_ns, states.stamp_ns)
         error = np.full(len(truth_s), np.nan)

@@ -3,52 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dead_reckoning.configuration import Configuration, read_values
 from dead_reckoning.core.blocks import StateBlock
-from dead_reckoning.core.common import CommonSettings
+from dead_reckoning.core.chain import FAULT, Output
 from dead_reckoning.core.errors import NotLevelledError, RecordingError, RepeatedStampError
-from dead_reckoning.core.navigation.settings import NavigatorSettings
-from dead_reckoning.core.navigator import InertialNavigator
-from dead_reckoning.core.parameters import Settings
-from dead_reckoning.core.samples import NANOSECONDS, ImuSample
+from dead_reckoning.core.pipeline import Pipeline
+from dead_reckoning.core.samples import NANOSECONDS, ImuSample, NavigationState
 from dead_reckoning.core.smoother import Smoother
+from dead_reckoning.core.stages import ODOMETRY
 from dead_reckoning.core.strides import Strides
 
 Array = NDArray[np.float64]
+Values = Mapping[str, Any]
+"""Parameters by their full names."""
 
 START_NS = NANOSECONDS  # a stamp of 0 is none
+
+PRESETS = Path(__file__).parents[2] / 'config'
+FOOT = read_values(PRESETS / 'foot_mounted.yaml')
+"""What all recordings of feet are taken with."""
+HELD = read_values(PRESETS / 'inertial.yaml')
+"""What a sensor in a hand is taken with."""
 
 CAUSAL, SMOOTHED, PROMPT = 'causal', 'smoothed', 'look-ahead 0'
 """Ways to navigate: what the live `odom` publishes, `smoothed.csv`, and live without any delay."""
 
-
-def foot_mounted() -> NavigatorSettings:
-    """Return the settings of all recordings of feet."""
-    return NavigatorSettings()
-
-
-def held() -> NavigatorSettings:
-    """Return the settings of an IMU that is held: docs/navigation.md, Detectors of rest."""
-    return NavigatorSettings(
-        detector='always',
-        acceleration_noise=0.02,
-        sampling_noise=0.0,
-        rate_walk=2e-5,
-        rate_bias=0.0087,
-        acceleration_bias=0.1,
-        stance_velocity=1.0,
-        correlation=1.0,
-        pivot=0.0,
-        height=0.0,
-        floor=False,
-    )
+EXPECTED = (NotLevelledError, RepeatedStampError)
+"""Samples refused: before it is aligned, and those that a recording has twice."""
 
 
 @dataclass(frozen=True)
@@ -96,37 +84,45 @@ class Way:
         return sigma
 
 
-def live(
-    recording: Recording, settings: NavigatorSettings, of_detector: Settings | None = None
-) -> Way:
-    """Navigate sample by sample, as a node does; the states begin when it is aligned."""
-    return _drive(InertialNavigator(settings, CommonSettings(), of_detector), recording)
+def live(recording: Recording, values: Values) -> Way:
+    """Give the samples to a pipeline, one by one; the states begin when it is aligned."""
+    return _drive(Pipeline(Configuration(values)), recording)
 
 
-def smoothed(recording: Recording, settings: NavigatorSettings) -> tuple[Way, Way]:
+def smoothed(recording: Recording, values: Values) -> tuple[Way, Way]:
     """Return what is live, and that smoothed; which begins with the rest it is aligned at."""
-    navigator = InertialNavigator(settings, CommonSettings())
-    smoother = Smoother(navigator)
-    way = _drive(navigator, recording)
+    pipeline = Pipeline(Configuration(values))
+    assert pipeline.navigator is not None
+    smoother = Smoother(pipeline.navigator)
+    way = _drive(pipeline, recording)
     return way, walked(StateBlock.join(list(smoother.blocks())[::-1]))
 
 
-def _drive(navigator: InertialNavigator, recording: Recording) -> Way:
-    states = []
+def _drive(pipeline: Pipeline, recording: Recording) -> Way:
+    navigator = pipeline.navigator
+    assert navigator is not None
+    states: list[NavigationState] = []
+
+    def take(outputs: list[Output]) -> None:
+        for name, value in outputs:
+            if name == ODOMETRY:
+                states.append(value)
+            elif name == FAULT and not isinstance(value, EXPECTED):
+                raise value
+
     for imu in recording.samples():
-        with suppress(NotLevelledError, RepeatedStampError):
-            states += navigator.update(imu)
-    states += navigator.flush()
+        take(pipeline.chain.push(navigator.settings.input, imu))
+    take(pipeline.chain.end())
     if not states:
         raise RecordingError(f'{recording.name}: no rest to align at')
     strides = navigator.strides
     return Way(StateBlock.of(states), strides.count, strides.path_length)
 
 
-def ways(recording: Recording, settings: NavigatorSettings) -> dict[str, Way]:
+def ways(recording: Recording, values: Values) -> dict[str, Way]:
     """Navigate in all three ways."""
-    causal, backwards = smoothed(recording, settings)
-    prompt = live(recording, replace(settings, look_ahead=0.0))
+    causal, backwards = smoothed(recording, values)
+    prompt = live(recording, {**values, 'navigator.look_ahead': 0.0})
     return {CAUSAL: causal, SMOOTHED: backwards, PROMPT: prompt}
 
 

@@ -11,9 +11,8 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from benchmarks.accuracy import pictures
-from benchmarks.accuracy.inertial import CAUSAL, PROMPT, SMOOTHED, Recording, Way, ways
+from benchmarks.accuracy.inertial import CAUSAL, FOOT, PROMPT, SMOOTHED, Recording, Way, ways
 from benchmarks.accuracy.report import Report
-from dead_reckoning.core.navigation.settings import NavigatorSettings
 
 Array = NDArray[np.float64]
 
@@ -51,9 +50,9 @@ class Loop:
         return np.hypot(*error.T), causal.deviation[at]
 
 
-def walk_loop(recording: Recording, settings: NavigatorSettings) -> Loop:
+def walk_loop(recording: Recording) -> Loop:
     """Navigate a loop of which the end alone is known."""
-    return Loop(recording.name, ways(recording, settings))
+    return Loop(recording.name, ways(recording, FOOT))
 
 
 def add_loops(report: Report, caption: str, loops: Sequence[Loop]) -> None:
@@ -116,8 +115,7 @@ def draw(path: Path, title: str, loops: Sequence[Loop]) -> Path:
         errors.plot(spread, sigma, 'k_', label='σ as published' if first else None)
     errors.set_xlim(-0.5, len(loops) - 0.5)
     errors.set_xticks(range(len(loops)), [loop.name for loop in loops])
-    errors.set_yscale('log')
-    errors.yaxis.set_major_formatter('{x:g}')
+    errors.set_ylim(0.0, None)
     errors.set_ylabel('known points, horizontal [m]')
     pictures.legend_above(errors)
     return pictures.save(figure, path)

@@ -10,14 +10,15 @@ from timeit import repeat
 
 import numpy as np
 
-from benchmarks.accuracy.inertial import foot_mounted
+from benchmarks.accuracy.inertial import FOOT
 from benchmarks.accuracy.report import Report
 from benchmarks.accuracy.simulated_walks import measured, walk
+from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.batch.navigator import navigator_run
 from dead_reckoning.core.blocks import ImuBlock
-from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import NotLevelledError
 from dead_reckoning.core.navigator import InertialNavigator
+from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.samples import ImuSample
 from dead_reckoning.core.smoother import Smoother
 
@@ -61,19 +62,26 @@ def fastest(run: Callable[[], object], count: int) -> float:
     return min(repeat(run, timer=process_time, number=1, repeat=ROUNDS)[1:]) / count * 1e6
 
 
+def built() -> InertialNavigator:
+    """Return a navigator for a foot."""
+    navigator = Pipeline(Configuration(FOOT)).navigator
+    assert navigator is not None
+    return navigator
+
+
 def stream(samples: list[ImuSample]) -> None:
     """Navigate sample by sample."""
-    take(InertialNavigator(foot_mounted(), CommonSettings()), samples)
+    take(built(), samples)
 
 
 def batch(block: ImuBlock, samples: list[ImuSample]) -> None:
     """Navigate in one block, but for the rest at the start."""
-    in_a_block(InertialNavigator(foot_mounted(), CommonSettings()), block, samples)
+    in_a_block(built(), block, samples)
 
 
 def smoothed(block: ImuBlock, samples: list[ImuSample]) -> None:
     """Navigate in one block, and go back."""
-    navigator = InertialNavigator(foot_mounted(), CommonSettings())
+    navigator = built()
     smoother = Smoother(navigator)
     in_a_block(navigator, block, samples)
     for _ in smoother.blocks():

@@ -16,7 +16,6 @@ from benchmarks.accuracy.inertial import (
     SMOOTHED,
     Recording,
     block_means,
-    foot_mounted,
     numbers,
 )
 from benchmarks.accuracy.loops import Loop, add_loops, draw, walk_loop
@@ -40,13 +39,12 @@ def measure(path: Path, output: Path) -> Report:
     if not recordings:
         raise RecordingError(f'{path}: no *.npz in it; docs/accuracy.md says how to get them')
     report = Report('openshoe', f'OpenShoe, {len(recordings)} loops on a foot')
-    settings = foot_mounted()
-    loops = [walk_loop(recording, settings) for recording in recordings]
+    loops = [walk_loop(recording) for recording in recordings]
     add_loops(report, 'horizontal error at the end, height, strides', loops)
     rows = [(f'{1.0 / np.median(np.diff(recordings[0].time)):.0f} Hz', loops)]
     for rate in RATES:
         slower = [block_means(recording, rate) for recording in recordings]
-        rows.append((f'{rate:.0f} Hz', [walk_loop(each, settings) for each in slower]))
+        rows.append((f'{rate:.0f} Hz', [walk_loop(each) for each in slower]))
     _add_rates(report, rows)
     for way in (CAUSAL, SMOOTHED):
         median, worst = percents(loops, way)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.accuracy import pictures
-from benchmarks.accuracy.inertial import CAUSAL, Recording, Way, foot_mounted, ways
+from benchmarks.accuracy.inertial import CAUSAL, FOOT, Recording, Way, ways
 from benchmarks.accuracy.report import Report
 from benchmarks.accuracy.simulated_walks import Walk, joined, measured, walk
 
@@ -43,7 +43,7 @@ def measure(output: Path) -> Report:
             walk(end=0.2, **LEVEL), walk(start=0.2, end=0.2, **slope), walk(start=0.2, **LEVEL)
         )
         height = float(true.position[-1, 2])
-        found = [ways(recorded(true, seed), foot_mounted()) for seed in range(SEEDS)]
+        found = [ways(recorded(true, seed), FOOT) for seed in range(SEEDS)]
         drawn[name] = true, found[0][CAUSAL]
         worst[name] = {
             way: max(abs(100.0 * (each[way].end[2] / height - 1.0)) for each in found)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.accuracy.inertial import CAUSAL, PROMPT, SMOOTHED, Recording, foot_mounted
+from benchmarks.accuracy.inertial import CAUSAL, PROMPT, SMOOTHED, Recording
 from benchmarks.accuracy.loops import add_loops, draw, walk_loop
 from benchmarks.accuracy.report import Report
 from dead_reckoning.core.errors import RecordingError
@@ -27,7 +27,7 @@ GOALS = {'short_walk': 0.080}
 
 def measure(path: Path, output: Path) -> Report:
     """Measure one recording."""
-    loop = walk_loop(load(path), foot_mounted())
+    loop = walk_loop(load(path))
     report = Report(f'xio-{loop.name}', f'x-io, {loop.name} on a foot')
     add_loops(report, 'horizontal error at the end, height, strides', [loop])
     errors = {way: f'{1000.0 * loop.end_3d(way):.0f} mm' for way in (CAUSAL, SMOOTHED, PROMPT)}

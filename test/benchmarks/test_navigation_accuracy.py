@@ -10,10 +10,10 @@ import pytest
 
 from benchmarks.accuracy import consistency, gaitmap, gcp, inclination, openshoe, slopes, xio
 from benchmarks.accuracy.__main__ import _say_goals
-from benchmarks.accuracy.inertial import Recording, block_means, foot_mounted, landings, live
+from benchmarks.accuracy.inertial import FOOT, Recording, block_means, landings, live
 from benchmarks.accuracy.report import Goal, Report
 from benchmarks.accuracy.simulated_walks import walk
-from dead_reckoning.core.errors import RecordingError
+from dead_reckoning.core.errors import GravityError, RecordingError
 from dead_reckoning.core.rest import GRAVITY
 
 STRIDES = 10
@@ -71,7 +71,7 @@ def test_corners_are_turned_as_fits_best(mirror):
 
 
 def test_landings_are_stances_after_a_stride():
-    way = live(Recording('', LOOP.time, LOOP.force, LOOP.rate), foot_mounted())
+    way = live(Recording('', LOOP.time, LOOP.force, LOOP.rate), FOOT)
     found = landings(way.states)
     steps = np.diff(way.states.position[found], axis=0)
     assert np.linalg.norm(steps, axis=1) == pytest.approx(np.full(STRIDES, 1.4), abs=0.05)
@@ -213,6 +213,10 @@ def test_what_is_not_readable_is_said(tmp_path):
         file.write('what\n1,2\n')
     with pytest.raises(RecordingError, match='columns instead of 7'):
         xio.load(path)
-    still = Recording('shaken', np.arange(100) / 100.0, np.zeros((100, 3)), np.zeros((100, 3)))
+    force = np.random.default_rng(0).normal((0.0, 0.0, GRAVITY), 3.0, (200, 3))
+    shaken = Recording('shaken', np.arange(200) / 100.0, force, np.zeros((200, 3)))
     with pytest.raises(RecordingError, match='shaken: no rest'):
-        live(still, foot_mounted())
+        live(shaken, FOOT)
+    weightless = Recording('', shaken.time, np.zeros((200, 3)), shaken.turn_s)
+    with pytest.raises(GravityError, match='the specific force is 0'):
+        live(weightless, FOOT)
