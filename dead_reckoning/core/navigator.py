@@ -198,9 +198,7 @@ class InertialNavigator:
         yaw, variance = found
         interval = self._compass.interval
         if self._to_north and interval is not None:
-            lasts = 2.0 * self.settings.compass_correlation / interval
-            values = (yaw, variance, variance * max(1.0, lasts))
-            self._aids.add(compass.stamp_ns, layout.YAW, values)
+            self._aids.add(compass.stamp_ns, layout.YAW, (yaw, variance, interval))
         else:
             self._to_north = True
             self._aids.add(compass.stamp_ns, layout.NORTH, (yaw, variance))
