@@ -101,14 +101,15 @@ def nis(p: Array, variance: float, y: Vector) -> float:
 
 
 def believed(f: Filter, refused: int, excess: bool, dt: float, patience: float) -> bool:
-    """Say whether to take what is in excess of its gate, and keep the time of refusals.
+    """Say whether to take what may be in excess of its gate, and keep the time of refusals.
 
-    An error that lasts longer than it may is no error, but shows that the filter is wrong.
+    An error that lasts longer than it may is none, but shows that the filter is wrong.
     """
-    if excess and f.state[refused] <= patience:
+    if not excess:
+        f.state[refused] = 0.0
+    elif f.state[refused] <= patience:
         f.state[refused] += dt
         return False
-    f.state[refused] = 0.0
     return True
 
 
