@@ -167,6 +167,15 @@ def test_the_first_yaw_is_that_of_the_compass():
         assert begin == pytest.approx(0.0, abs=1e-3)
 
 
+def test_turning_the_world_turns_the_way():
+    moved, yaw, ways = measured(LEVEL_WALK, 3), yaw_of(LEVEL_WALK), []
+    for turn in (0.0, 2.2):
+        found, states = with_compass(moved, {k: yaw[k] + turn for k in range(0, len(yaw), 10)})
+        ways.append((found.counts, states.position[:, 0] + 1j * states.position[:, 1]))
+    assert ways[0][0] == ways[1][0]
+    np.testing.assert_allclose(ways[1][1], np.exp(2.2j) * ways[0][1], atol=1e-9)
+
+
 def test_a_compass_that_comes_late_turns_the_way_on_from_there():
     yaw = yaw_of(LEVEL_WALK)
     late = 1300
