@@ -9,6 +9,7 @@ NODES = (
     'accelerometer_driver',
     'compass_driver',
     'gravity_removal',
+    'inertial_navigator',
     'integrator',
     'pedometer',
     'pipeline',

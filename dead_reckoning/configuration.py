@@ -13,12 +13,13 @@ from typing import Any, ClassVar, TypeVar
 
 import yaml
 
-from dead_reckoning.core import step_detectors
+from dead_reckoning.core import stationarity, step_detectors
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.compass import CompassSettings
 from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
+from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.parameters import Settings, refuse_unknown
 from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import PipelineSettings
@@ -56,12 +57,19 @@ PEDOMETER = (
 )
 """Parts of the pedometer."""
 
+NAVIGATOR = (
+    NavigatorSettings,
+    *(stationarity.detector_class(name).Settings for name in stationarity.names()),
+)
+"""Parts of the inertial navigator."""
+
 PARTS: tuple[type[Settings], ...] = (
     *DRIVER,
     *COMPASS,
     GravitySettings,
     IntegratorSettings,
     *PEDOMETER,
+    *NAVIGATOR,
     PipelineSettings,
     *COMMON,
 )

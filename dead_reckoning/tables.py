@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from math import sqrt
+from math import nan, sqrt
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -24,7 +24,8 @@ ODOMETRY_COLUMNS = (
 """World frame; m, m/s; s is the standard deviation of the position; stationary is 0 or 1."""
 
 LOG_COLUMNS = (*ODOMETRY_COLUMNS, 'ax', 'ay', 'az', 'heading')
-"""The same, with the linear acceleration [m/s², world] and the heading [rad, ENU]."""
+"""The same, with the linear acceleration [m/s², world] and the heading [rad, ENU].  Where
+no acceleration has the stamp of the state, as with an inertial navigator, it is nan."""
 
 
 class LogError(DeadReckoningError):
@@ -103,10 +104,10 @@ class OdometryLog:
         return ()
 
     def _log(self, state: NavigationState) -> tuple[()]:
-        acceleration = self._acceleration
-        if acceleration is not None and acceleration.stamp_ns == state.stamp_ns:
-            heading = yaw_from_quaternion(state.attitude)
-            self._write((*odometry_row(state), *acceleration.acceleration, heading))
+        acceleration, last = (nan, nan, nan), self._acceleration
+        if last is not None and last.stamp_ns == state.stamp_ns:
+            acceleration = last.acceleration
+        self._write((*odometry_row(state), *acceleration, yaw_from_quaternion(state.attitude)))
         return ()
 
     def _write(self, row: tuple[object, ...]) -> None:

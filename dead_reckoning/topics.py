@@ -55,6 +55,8 @@ def topics(frames: FrameSettings) -> dict[str, Topic]:
         stages.ODOMETRY: odometry,
         stages.GROUND_TRUTH: replace(odometry, source='the simulated accelerometer_driver'),
         stages.STATIONARY: Topic('std_msgs/msg/Bool', wire.encode_bool, latched=True),
+        stages.STATISTIC: replace(number, latched=False),
+        stages.THRESHOLD: replace(number, latched=False),
         stages.STEPS: Topic(
             'std_msgs/msg/UInt32', wire.encode_uint32, wire.decode_uint32, latched=True
         ),

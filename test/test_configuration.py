@@ -31,6 +31,12 @@ WITHOUT_UNIT = {
     'driver.walk.asymmetry',
     'gravity.rate_scale_deviation',
     'integrator.scale_deviation',
+    'navigator.axis_gate',
+    'navigator.exponent',
+    'navigator.floor_slope',
+    'navigator.gate',
+    'navigator.hysteresis',
+    'navigator.sampling_noise',
     'pedometer.length_deviation',
     'pedometer.step_deviation',
 }

@@ -137,6 +137,7 @@ def test_every_executable_is_a_function(setup_arguments):
         'accelerometer_driver',
         'compass_driver',
         'gravity_removal',
+        'inertial_navigator',
         'integrator',
         'pedometer',
         'pipeline',

@@ -71,11 +71,26 @@ def test_log_has_a_row_for_each_state_with_its_acceleration(tmp_path):
     log.close()
 
 
+def test_log_of_states_without_an_acceleration_has_them_all(tmp_path):
+    """An inertial navigator gives none, and what another one gives is of another sample."""
+    log = OdometryLog(tmp_path / 'log.csv')
+    chain = Chain([log.stage()])
+    chain.push(ODOMETRY, state(1))
+    chain.push(ACCELERATION, acceleration(3))
+    chain.push(ODOMETRY, state(2))
+    log.close()
+    lines = (tmp_path / 'log.csv').read_text(encoding='utf-8').splitlines()
+    assert [line.split(',')[0] for line in lines[1:]] == ['1', '2']
+    for line in lines[1:]:
+        row = dict(zip(LOG_COLUMNS, map(float, line.split(',')), strict=True))
+        assert math.isnan(row['ax'])
+        assert row['heading'] == pytest.approx(0.5)
+
+
 def test_log_keeps_every_digit(tmp_path):
     path = tmp_path / 'log.csv'
     log = OdometryLog(path)
     third = NavigationState(1, (1.0 / 3.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    Chain([log.stage()]).push(ACCELERATION, acceleration(1))
     Chain([log.stage()]).push(ODOMETRY, third)
     log.close()
     assert float(path.read_text(encoding='utf-8').splitlines()[1].split(',')[1]) == 1.0 / 3.0

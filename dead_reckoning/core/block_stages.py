@@ -12,19 +12,24 @@ import numpy as np
 from dead_reckoning.core.batch import NOTHING, Run
 from dead_reckoning.core.batch.gravity import level_run
 from dead_reckoning.core.batch.integrator import integrator_run
+from dead_reckoning.core.batch.navigator import navigator_run
 from dead_reckoning.core.batch.pedometer import pedometer_run
-from dead_reckoning.core.blocks import ANY_BLOCK, BLOCKS, LevelledBlock, Stamped, StateBlock
-from dead_reckoning.core.chain import FAULT, Output, Stage
+from dead_reckoning.core.blocks import ANY_BLOCK, BLOCKS, Stamped, StateBlock
+from dead_reckoning.core.chain import END, FAULT, Output, Stage
 from dead_reckoning.core.errors import DeadReckoningError
 from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.kernels import accelerated
 from dead_reckoning.core.mounting import Mountings, unmounted
+from dead_reckoning.core.navigator import InertialNavigator
+from dead_reckoning.core.navigator_stage import BodyStates, navigator_stage
 from dead_reckoning.core.pedometer import Pedometer
 from dead_reckoning.core.stages import (
     LEVELLED,
     ODOMETRY,
     STATIONARY,
+    STATISTIC,
+    THRESHOLD,
     StepOutputs,
     gravity_input,
     gravity_stage,
@@ -56,18 +61,23 @@ def gravity_block_stage(removal: GravityRemoval, mountings: Mountings = unmounte
 def integrator_block_stage(integrator: Integrator, mountings: Mountings = unmounted) -> Stage:
     """Give what `integrator_stage` gives, in blocks."""
     run = integrator_run(integrator, mountings)
-    take = blockwise(integrator_stage(integrator, mountings), {LEVELLED: run})[LEVELLED]
-    said: bool | None = None
+    return _with_rests(blockwise(integrator_stage(integrator, mountings), {LEVELLED: run}))
 
-    def integrate(block: LevelledBlock) -> list[Output]:
-        nonlocal said
-        outputs = [(name, value) for name, value in take(block) if name != STATIONARY]
-        for states in [value for name, value in outputs if name == ODOMETRY]:
-            outputs.extend(_changes(states, said))
-            said = bool(states.stationary[-1])
-        return outputs
 
-    return {LEVELLED: integrate}
+def navigator_block_stage(
+    navigator: InertialNavigator,
+    mountings: Mountings = unmounted,
+    body: BodyStates | None = None,
+) -> Stage:
+    """Give what `navigator_stage` gives, in blocks, without what the detector goes by."""
+    stage = navigator_stage(navigator, mountings, body)
+    run = navigator_run(navigator, mountings)
+
+    def end(_: None) -> list[Output]:
+        states = [value for name, value in stage[END](None) if name == ODOMETRY]
+        return [(ODOMETRY, StateBlock.of(states))] if states else []
+
+    return _with_rests({**blockwise(stage, {navigator.settings.input: run}), END: end})
 
 
 def pedometer_block_stage(
@@ -78,6 +88,21 @@ def pedometer_block_stage(
     run = pedometer_run(pedometer, odometry, says, mountings)
     stage = pedometer_stage(pedometer, odometry, mountings, says)
     return blockwise(stage, {pedometer.settings.input: run})
+
+
+def _with_rests(stage: Stage) -> Stage:
+    """Say when rest changed by the states of a stage, whichever way they came."""
+    said: bool | None = None
+
+    def give(take: Callable[[Any], Iterable[Output]], value: Any) -> list[Output]:
+        nonlocal said
+        outputs = [(n, v) for n, v in take(value) if n not in (STATIONARY, STATISTIC, THRESHOLD)]
+        for states in [v for n, v in outputs if n == ODOMETRY]:
+            outputs.extend(_changes(states, said))
+            said = bool(states.stationary[-1])
+        return outputs
+
+    return {name: partial(give, take) for name, take in stage.items()}
 
 
 def _changes(states: StateBlock, said: bool | None) -> list[Output]:

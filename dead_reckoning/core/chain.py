@@ -22,6 +22,9 @@ FAULT = 'fault'
 NOTICE = 'notice'
 """Name of the output that carries a sentence for the user."""
 
+END = 'end'
+"""Name of the input under which a stage that holds something back learns that no more comes."""
+
 
 class Chain:
     """Run stages one after the other; what one puts out, those who ask for it by name take in.
@@ -47,3 +50,7 @@ class Chain:
                     flow.append((FAULT, error))
         del flow[0]
         return flow
+
+    def end(self) -> list[Output]:
+        """Say that no more samples come; return what the stages had held back."""
+        return self.push(END, None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from dead_reckoning.core.chain import Chain, Stage
 from dead_reckoning.core.common import CommonSettings, FrameSettings
@@ -14,14 +14,18 @@ from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.mounting import Mountings, mountings_of
+from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.parameters import Parts, Settings, parameter
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
 from dead_reckoning.core.stages import (
     ACCELERATION,
+    COMPASS,
     IMU,
     ODOMETRY,
     PEDOMETER_OUTPUTS,
     STATIONARY,
+    STATISTIC,
+    THRESHOLD,
     gravity_input,
     gravity_inputs,
     gravity_stage,
@@ -30,6 +34,12 @@ from dead_reckoning.core.stages import (
     pedometer_stage,
 )
 from dead_reckoning.core.step_odometry import StepOdometry
+
+if TYPE_CHECKING:  # its kernels are imported where it is used
+    from dead_reckoning.core.navigator import InertialNavigator
+    from dead_reckoning.core.navigator_stage import BodyStates
+
+INTEGRATOR, PEDOMETER, NAVIGATOR = 'integrator', 'pedometer', 'inertial_navigator'
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,9 +53,10 @@ class PipelineSettings(Settings, prefix='pipeline'):
         choices=('topic', 'simulated', 'serial'),
     )
     estimators: tuple[str, ...] = parameter(
-        ('integrator',),
-        'Estimators at the end of the chain: integrator, pedometer or both',
-        choices=('integrator', 'pedometer'),
+        (INTEGRATOR,),
+        'Estimators at the end of the chain: integrator or inertial_navigator, which both give '
+        'odom, and pedometer',
+        choices=(INTEGRATOR, PEDOMETER, NAVIGATOR),
     )
     log_csv: str = parameter(
         '', 'File to log each state to, as text; empty for none. The mbed page logs such a file'
@@ -59,14 +70,20 @@ class PipelineSettings(Settings, prefix='pipeline'):
     )
 
     def validate(self) -> None:
-        """Raise `SettingsError` where states are to be logged or timed, and there are none."""
-        if 'integrator' in self.estimators:
+        """Raise `SettingsError` where two give odom, or none, and states are logged or timed."""
+        given = {INTEGRATOR, NAVIGATOR} & set(self.estimators)
+        if len(given) == 2:
+            raise SettingsError(
+                'pipeline.estimators: integrator and inertial_navigator exclude each other, as '
+                'both give odom; leave one out'
+            )
+        if given:
             return
         for key, asked in (('log_csv', self.log_csv != ''), ('duration', self.duration > 0.0)):
             if asked:
                 raise SettingsError(
-                    f'pipeline.{key}: it goes by the states of the integrator, which is not in '
-                    'pipeline.estimators; add it there'
+                    f'pipeline.{key}: it goes by the states of the integrator or the '
+                    'inertial_navigator; add one to pipeline.estimators'
                 )
 
 
@@ -100,6 +117,9 @@ class Pipeline:
         self.integrator: Integrator | None = None
         self.pedometer: Pedometer | None = None
         self.step_odometry: StepOdometry | None = None
+        self.navigator: InertialNavigator | None = None
+        self.body: BodyStates | None = None
+        """Carries the states of the navigator to the body."""
         self.inputs: tuple[str, ...] = ()
         """Topics that have to come from outside."""
         self.between: tuple[str, ...] = ()
@@ -108,24 +128,37 @@ class Pipeline:
         """Topics of the estimators."""
         stages: list[Stage] = []
         gravity, pedometer = parts[GravitySettings], parts[PedometerSettings]
-        counts = 'pedometer' in estimators
+        counts = PEDOMETER in estimators
         taken = gravity_input(gravity.attitude)
         inputs: list[str] = []
-        if 'integrator' in estimators or (counts and pedometer.input == IMU != taken):
+        if INTEGRATOR in estimators or (counts and pedometer.input == IMU != taken):
             self.gravity = GravityRemoval(gravity, common, parts[FrameSettings])
             stages.append(make.gravity(self.gravity, mountings))
             inputs += gravity_inputs(gravity.attitude)
             self.between = (ACCELERATION,) if taken == IMU else (ACCELERATION, IMU)
-        if 'integrator' in estimators:
+        if INTEGRATOR in estimators:
             self.integrator = Integrator(parts[IntegratorSettings], common)
             stages.append(make.integrator(self.integrator, mountings))
             self.outputs += (ODOMETRY, STATIONARY)
+        made = {IMU} if self.gravity is not None and taken != IMU else set()
+        if NAVIGATOR in estimators:
+            from dead_reckoning.core.navigator import InertialNavigator
+            from dead_reckoning.core.navigator_stage import BodyStates
+
+            navigator = parts[NavigatorSettings]
+            own = [parts[part] for part in navigator.detector_parts]
+            self.navigator = InertialNavigator(navigator, common, *own)
+            self.body = BodyStates(self.navigator, mountings)
+            stages.append(make.navigator(self.navigator, mountings, self.body))
+            self.outputs += (ODOMETRY, STATIONARY)
+            if not blocks:
+                self.between += (STATISTIC, THRESHOLD)
+            inputs += [name for name in (navigator.input, COMPASS) if name not in made]
         if counts:
             self.pedometer = Pedometer(pedometer, parts[pedometer.method_part])
             self.step_odometry = StepOdometry(pedometer, common)
             stages.append(make.pedometer(self.pedometer, self.step_odometry, mountings))
             self.outputs += PEDOMETER_OUTPUTS
-            made = {IMU} if self.gravity is not None and taken != IMU else set()
             inputs += [name for name in pedometer_inputs(pedometer) if name not in made]
         self.inputs = tuple(dict.fromkeys(inputs))
         self.chain = Chain([*stages, *more])
@@ -135,16 +168,28 @@ class _Stages(NamedTuple):
     gravity: Callable[[GravityRemoval, Mountings], Stage]
     integrator: Callable[[Integrator, Mountings], Stage]
     pedometer: Callable[[Pedometer, StepOdometry, Mountings], Stage]
+    navigator: Callable[[InertialNavigator, Mountings, BodyStates], Stage]
 
 
 def _stages(blocks: bool) -> _Stages:
     if not blocks:
-        return _Stages(gravity_stage, integrator_stage, pedometer_stage)
+        return _Stages(gravity_stage, integrator_stage, pedometer_stage, _navigator_stage)
     # Imported here: a live node has no use for it.
     from dead_reckoning.core.block_stages import (
         gravity_block_stage,
         integrator_block_stage,
+        navigator_block_stage,
         pedometer_block_stage,
     )
 
-    return _Stages(gravity_block_stage, integrator_block_stage, pedometer_block_stage)
+    return _Stages(
+        gravity_block_stage, integrator_block_stage, pedometer_block_stage, navigator_block_stage
+    )
+
+
+def _navigator_stage(
+    navigator: InertialNavigator, mountings: Mountings, body: BodyStates
+) -> Stage:
+    from dead_reckoning.core.navigator_stage import navigator_stage
+
+    return navigator_stage(navigator, mountings, body)

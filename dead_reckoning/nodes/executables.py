@@ -23,6 +23,11 @@ def gravity_removal() -> int:
     return run('gravity_removal')
 
 
+def inertial_navigator() -> int:
+    """Run the node `inertial_navigator`."""
+    return run('inertial_navigator')
+
+
 def integrator() -> int:
     """Run the node `integrator`."""
     return run('integrator')

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from dead_reckoning.configuration import DRIVER, PEDOMETER
+from dead_reckoning.configuration import DRIVER, NAVIGATOR, PEDOMETER
 from dead_reckoning.core.chain import Stage
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.stages import COMPASS
-from dead_reckoning.nodes import gravity_removal, integrator, pedometer
+from dead_reckoning.nodes import gravity_removal, inertial_navigator, integrator, pedometer
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.driver import driver_of
 from dead_reckoning.nodes.transforms import mountings
@@ -25,10 +25,12 @@ class PipelineNode(ChainNode):
     """
 
     def __init__(self) -> None:
-        parts = (PipelineSettings, *DRIVER, GravitySettings, IntegratorSettings, *PEDOMETER)
-        super().__init__('pipeline', parts)
+        parts = (PipelineSettings, *DRIVER, GravitySettings, IntegratorSettings)
+        super().__init__('pipeline', (*parts, *PEDOMETER, *NAVIGATOR))
         settings = self.configuration[PipelineSettings]
         from_topic = settings.source == 'topic'
+        if 'inertial_navigator' in settings.estimators:
+            inertial_navigator.prepare(self)
         pipeline = Pipeline(
             self.configuration, self._ending(settings), mountings(self, self.frames)
         )
@@ -50,6 +52,8 @@ class PipelineNode(ChainNode):
             gravity_removal.serve(self, pipeline.gravity)
         if pipeline.integrator is not None:
             integrator.serve(self, pipeline.integrator)
+        if pipeline.navigator is not None:
+            inertial_navigator.serve(self, pipeline.navigator)
         if pipeline.pedometer is not None and pipeline.step_odometry is not None:
             # ~/calibrate is a Trigger here already: the driver's and the integrator's.
             pedometer.serve(

@@ -101,6 +101,43 @@ PRESETS = (
         },
     ),
     Preset(
+        'foot_mounted',
+        'An IMU with a gyro on a foot, walking or running: run `pipeline` or `inertial_navigator` '
+        'with it, or replay a recording. Rest a second or two at the start, and at the end. What '
+        'is not here are the defaults, which are those of a foot (docs/navigation.md).',
+        {
+            'navigator.input': 'imu/data_raw',
+            'navigator.detector': ['shoe'],
+            'navigator.look_ahead': 0.045,
+            'navigator.floor': True,
+            'pipeline.source': 'topic',
+            'pipeline.estimators': ['inertial_navigator'],
+        },
+    ),
+    Preset(
+        'inertial',
+        'Any IMU with a gyro, held or mounted: run `pipeline` or `inertial_navigator` with it, or '
+        'replay a recording. The attitude is what it knows; that the body is never fast for long '
+        'points to the vertical, and keeps the position near where it is. Not for a vehicle at a '
+        'steady speed (docs/navigation.md).',
+        {
+            'navigator.input': 'imu/data_raw',
+            'navigator.acceleration_noise': 0.02,
+            'navigator.sampling_noise': 0.0,
+            'navigator.rate_walk': 2e-5,
+            'navigator.rate_bias': 0.0087,
+            'navigator.acceleration_bias': 0.1,
+            'navigator.pivot': 0.0,
+            'navigator.height': 0.0,
+            'navigator.floor': False,
+            'navigator.zero_velocity': False,
+            'navigator.gravity_direction': True,
+            'navigator.look_ahead': 0.0,
+            'pipeline.source': 'topic',
+            'pipeline.estimators': ['inertial_navigator'],
+        },
+    ),
+    Preset(
         'robot_localization',
         'A robot with an IMU and a gyro, for robot_localization: run `pipeline` with it; its '
         'filter fuses the twist of odom and is the one that broadcasts odom → base_link '

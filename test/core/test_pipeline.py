@@ -104,6 +104,13 @@ def test_same_seed_gives_the_same_bits():
 def test_states_can_not_be_logged_or_timed_without_an_integrator(asked):
     """A log that stays empty and an end that never comes are said at the start."""
     PipelineSettings(**asked, estimators=('integrator', 'pedometer'))
+    PipelineSettings(**asked, estimators=('inertial_navigator',))
     (key,) = asked
     with pytest.raises(SettingsError, match=rf'pipeline\.{key}: .*integrator'):
         PipelineSettings(**asked, estimators=('pedometer',))
+
+
+def test_only_one_gives_odom():
+    PipelineSettings(estimators=('inertial_navigator', 'pedometer'))
+    with pytest.raises(SettingsError, match='integrator and inertial_navigator exclude'):
+        PipelineSettings(estimators=('inertial_navigator', 'pedometer', 'integrator'))

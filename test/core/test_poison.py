@@ -30,7 +30,7 @@ CHAINS = [
     (attitude, method)
     for attitude in ('message', 'rest', 'estimate')
     for method in ('trapezoid', 'kalman')
-]
+] + [('rest', 'inertial_navigator')]
 NUMBERS = st.one_of(
     st.floats(),
     st.sampled_from([nan, inf, -inf, 1e308, -1e160, 1e12, 1e6, -1.0, 1e-160, 5e-324]),
@@ -38,6 +38,8 @@ NUMBERS = st.one_of(
 
 
 def make_chain(attitude, method):
+    if method == 'inertial_navigator':
+        return Pipeline(Configuration({'pipeline.estimators': [method]})).chain
     return Pipeline(
         Configuration(
             {
@@ -104,6 +106,7 @@ def test_any_number_is_refused_or_leaves_all_finite(attitude, method, poison, co
             if compass:
                 values += chain.push(COMPASS, imu)
         values += chain.push(topic(attitude), imu)
+    values += chain.end()
     outputs = [(name, value) for name, value in values if name != FAULT]
     assert all(finite(value) for _, value in outputs)
     last = [value for name, value in outputs if name == ODOMETRY][-1]

@@ -28,3 +28,13 @@ def module_ros(module_domain_id, tmp_path_factory):
 
     with Ros(module_domain_id, tmp_path_factory.mktemp('ros')) as ros:
         yield ros
+
+
+@pytest.fixture(scope='session', autouse=True)
+def _kernels():
+    """Compile what the inertial navigator needs, which may take longer than a node has here."""
+    from dead_reckoning.core.common import CommonSettings
+    from dead_reckoning.core.navigation.settings import NavigatorSettings
+    from dead_reckoning.core.navigator_stage import load_kernels
+
+    load_kernels(NavigatorSettings(), CommonSettings())

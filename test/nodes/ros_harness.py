@@ -36,6 +36,7 @@ NODES = (
     'accelerometer_driver',
     'compass_driver',
     'gravity_removal',
+    'inertial_navigator',
     'integrator',
     'pedometer',
     'pipeline',

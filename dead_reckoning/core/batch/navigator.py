@@ -12,16 +12,24 @@ from dead_reckoning.core.chain import Output
 from dead_reckoning.core.kernels.columns import imu_columns
 from dead_reckoning.core.kernels.navigation.filter import regular
 from dead_reckoning.core.kernels.navigation.layout import ROW
+from dead_reckoning.core.mounting import Mountings, is_turned, unmounted
 from dead_reckoning.core.navigator import InertialNavigator
+from dead_reckoning.core.samples import ZERO
 from dead_reckoning.core.stages import ODOMETRY
 
 
-def navigator_run(navigator: InertialNavigator) -> Run:
-    """Return what navigates by a block; left to the stream are alignment, faults and gaps."""
+def navigator_run(navigator: InertialNavigator, mountings: Mountings = unmounted) -> Run:
+    """Return what navigates by a block.
+
+    Left to the stream are alignment, faults, gaps, a sensor that is turned on its body or off its
+    origin.
+    """
 
     def run(block: ImuBlock, begin: int) -> tuple[int, list[Output]]:
         last_ns = navigator._timeline._last_ns
         if last_ns is None or not navigator.aligned or navigator.levelling:
+            return NOTHING
+        if is_turned(mountings, block.frame_id) or mountings(block.frame_id).translation != ZERO:
             return NOTHING
         rows = np.empty((len(block) - begin, ROW))
         max_gap, variance = navigator.settings.max_gap, navigator._rate_variance

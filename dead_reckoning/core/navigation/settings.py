@@ -17,6 +17,12 @@ class NavigatorSettings(Settings, prefix='navigator'):
     what half and twice of it cost on recordings.
     """
 
+    input: str = parameter(
+        'imu/data_raw',
+        'Topic of its Imu, with an angular velocity: imu/data for a device that has only that; '
+        'its orientation is not used',
+        choices=('imu/data_raw', 'imu/data'),
+    )
     rest_duration: float = parameter(
         0.5, 'How long the device must rest to be aligned', unit='s', minimum=0.05, maximum=60.0
     )
@@ -322,6 +328,11 @@ class NavigatorSettings(Settings, prefix='navigator'):
         minimum=0.0,
         maximum=1.0,
     )
+
+    @property
+    def detector_parts(self) -> tuple[type[Settings], ...]:
+        """The classes of the detectors' own settings, in order."""
+        return tuple(stationarity.detector_class(name).Settings for name in self.detector)
 
     def validate(self) -> None:
         """Raise `SettingsError` where more votes are asked for than there are."""

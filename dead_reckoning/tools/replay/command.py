@@ -88,11 +88,15 @@ def main(arguments: argparse.Namespace) -> int:
     return int(any(isinstance(outcome, DeadReckoningError) for outcome in outcomes))
 
 
-HEAD = ('input', 'samples', 'duration', 'steps', 'distance', 'end position', 'dropped', 'took')
+HEAD = (
+    'input', 'samples', 'duration', 'steps', 'strides', 'distance', 'path', 'end position',
+    'dropped', 'took',
+)  # fmt: skip
+NONE = '–'
 
 
 def table(paths: list[Path], outcomes: list[Any]) -> str:
-    """Return a line for each input: figures, or why there are none."""
+    """Return a line for each input: figures, those that some have, or why there are none."""
     rows: list[tuple[str, ...]] = [HEAD]
     for path, outcome in zip(paths, outcomes, strict=True):
         if isinstance(outcome, DeadReckoningError):
@@ -106,19 +110,24 @@ def table(paths: list[Path], outcomes: list[Any]) -> str:
                 str(figures['samples']),
                 f'{figures["duration_s"]:.1f} s',
                 _said(figures['steps'], ''),
+                _said(figures['strides'], ''),
                 _said(figures['distance_m'], '.1f', ' m'),
-                '–' if end is None else ', '.join(f'{x:.2f}' for x in end) + ' m',
+                _said(figures['path_length_m'], '.1f', ' m'),
+                NONE if end is None else ', '.join(f'{x:.2f}' for x in end) + ' m',
                 str(sum(figures['dropped'].values())),
                 f'{outcome.seconds:.1f} s',
             )
         )
-    whole = [row for row in rows if len(row) == len(HEAD)]
+    columns = list(zip(*(row for row in rows if len(row) == len(HEAD)), strict=True))
+    shown = [k for k, column in enumerate(columns) if set(column[1:]) != {NONE}]
+    rows = [tuple(row[k] for k in shown) if len(row) == len(HEAD) else row for row in rows]
+    whole = [row for row in rows if len(row) == len(shown)]
     widths = [max(map(len, column)) for column in zip(*whole, strict=True)]
     widths[0] = max(len(row[0]) for row in rows)
     lines = []
     for row in rows:
         first, *rest = row
-        if len(row) == len(HEAD):
+        if len(row) == len(shown):
             rest = [f'{cell:>{width}}' for cell, width in zip(rest, widths[1:], strict=True)]
         lines.append('  '.join([f'{first:<{widths[0]}}', *rest]))
     return '\n'.join(lines)
@@ -136,7 +145,7 @@ def faults(outcome: Any) -> list[str]:
 
 
 def _said(value: float | None, form: str, unit: str = '') -> str:
-    return '–' if value is None else f'{value:{form}}{unit}'
+    return NONE if value is None else f'{value:{form}}{unit}'
 
 
 def _rate(text: str) -> float:

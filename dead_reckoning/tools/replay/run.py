@@ -16,7 +16,7 @@ from dead_reckoning.core.errors import InputError
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.sources.recordings import Recording, open_recording
 from dead_reckoning.tools.files import complete_or_absent
-from dead_reckoning.tools.replay.outputs import BLOCK_END, outputs
+from dead_reckoning.tools.replay.outputs import BLOCK_END, SMOOTHED_STATES, outputs
 from dead_reckoning.tools.replay.progress import Progress
 from dead_reckoning.tools.replay.summary import Fault, Summary
 from dead_reckoning.tools.replay.task import Task
@@ -95,12 +95,16 @@ def flow(chain: Chain, recording: Recording, add: Callable[[int], object]) -> It
             yield from chain.push(name, block)
         yield BLOCK_END, None
         add(len(block))
+    yield from chain.end()
+    yield BLOCK_END, None
 
 
 def _chosen(wanted: Iterable[str] | None, pipeline: Pipeline) -> list[Any]:
     """Return the outputs asked for, or all there is something to write for."""
     known = outputs()
-    given = ('', *pipeline.outputs)
+    given = ['', *pipeline.outputs]
+    if pipeline.navigator is not None:
+        given.append(SMOOTHED_STATES)
     if wanted is None:
         return [output for output in known.values() if output.NEEDS in given]
     for name in wanted:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,12 @@ import numpy as np
 from dead_reckoning.core.blocks import ImuBlock, Stamped, Stamps, StateBlock
 from dead_reckoning.core.chain import FAULT
 from dead_reckoning.core.errors import DeadReckoningError, ReadingError, SampleError, WireError
+from dead_reckoning.core.navigator import count_strides
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import DISTANCE, ODOMETRY, STEP_ODOMETRY, STEPS
 from dead_reckoning.core.stamps import RESTART_NS
+from dead_reckoning.core.strides import Strides
 
 
 @dataclass
@@ -50,6 +53,9 @@ class Summary:
         self._states = self._stationary = 0
         self._path = 0.0
         self._last: StateBlock | None = None
+        self._walks: list[Strides] = []
+        """Strides from each start on, where a navigator finds them."""
+        self._strides = pipeline.navigator is not None
 
     def takers(self) -> Mapping[str, Callable[[Any], object]]:
         """Return what it takes, by name."""
@@ -71,19 +77,29 @@ class Summary:
         duration = self._time.duration_ns / NANOSECONDS
         steps, distance = self._totals.get(STEPS), self._totals.get(DISTANCE)
         last, integrated = self._last, self._way == ODOMETRY
+        way = self.way()
         return {
             'samples': self.samples,
             'duration_s': duration,
             'rate_hz': (self.samples - 1) / duration if duration > 0.0 else None,
             'steps': steps,
-            'strides': None if steps is None else steps // 2,
+            'strides': way.get('strides', None if steps is None else steps // 2),
             'distance_m': distance,
-            'path_length_m': self._path if last is not None else None,
+            'path_length_m': None if last is None else way.get('path_length', self._path),
             'end_position_m': None if last is None else last.position[-1].tolist(),
             'stationary_fraction': (
                 self._stationary / self._states if integrated and self._states else None
             ),
             'dropped': self.dropped,
+        }
+
+    def way(self) -> dict[str, Any]:
+        """Return strides and path length [m] from stance to stance; empty without a navigator."""
+        if not self._strides:
+            return {}
+        return {
+            'strides': sum(walk.count for walk in self._walks),
+            'path_length': sum(walk.path_length for walk in self._walks),
         }
 
     def _count(self, block: ImuBlock) -> None:
@@ -96,10 +112,23 @@ class Summary:
             stamps = np.append(self._last.stamp_ns, stamps)
             position = np.append(self._last.position, position, axis=0)
         moved = np.linalg.norm(np.diff(position, axis=0), axis=1)
-        self._path += float(moved[np.diff(stamps) > 0].sum())
+        onward = np.diff(stamps) > 0
+        self._path += float(moved[onward].sum())
+        if self._strides:
+            self._count_strides(block, np.flatnonzero(~onward) + 1 - len(stamps) + len(block))
         self._states += len(block)
         self._stationary += int(block.stationary.sum())
         self._last = block.part(len(block) - 1, len(block))
+
+    def _count_strides(self, block: StateBlock, restarts: Stamps) -> None:
+        """Count the strides of a block; before these of its states the stamps went back."""
+        if not self._walks:
+            self._walks.append(Strides())
+        for begin, end in pairwise([0, *restarts.tolist(), len(block)]):
+            if begin in restarts:
+                self._walks.append(Strides())
+            if end > begin:
+                count_strides(self._walks[-1], block.part(begin, end))
 
     def _note(self, fault: Stamped) -> None:
         name = type(fault.value).__name__

@@ -15,9 +15,10 @@ from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import ReadingError, SampleError, WireError
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
+from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.parameters import Derived, Parts, Settings
 from dead_reckoning.core.pedometer import PedometerSettings, PedometerState
-from dead_reckoning.core.pipeline import PipelineSettings
+from dead_reckoning.core.pipeline import INTEGRATOR, NAVIGATOR, PEDOMETER, PipelineSettings
 from dead_reckoning.core.stages import (
     ACCELERATION,
     ODOMETRY,
@@ -106,6 +107,8 @@ class Contents:
         of the integrator or navigator.
     ``walked``, ``steps``
         of the pedometer.
+    ``strides``, ``path_length``
+        of a navigator, from stance to stance [m].
     ``faults``, ``notices``
         what was dropped or found; what was said, with its stamp [ns].
     """
@@ -119,6 +122,8 @@ class Contents:
     faults: Sequence[Fault] = ()
     notices: Sequence[tuple[int, str]] = ()
     settings: Sequence[Setting] = ()
+    strides: int | None = None
+    path_length: float | None = None
 
 
 class Collector:
@@ -143,8 +148,8 @@ class Collector:
             NOTICE: lambda said: self._notices.append((said.stamp_ns, said.value)),
         }
 
-    def contents(self, name: str, samples: int, settings: Sequence[Setting] = ()) -> Contents:
-        """Return all that came."""
+    def contents(self, name: str, samples: int, **more: Any) -> Contents:
+        """Return all that came, with ``more`` that does not come out of a chain."""
         odometry, walked, acceleration = (
             [np.concatenate(parts) for parts in zip(*self._columns[topic], strict=True)]
             if topic in self._columns
@@ -160,7 +165,7 @@ class Collector:
             steps=_steps(self._steps) if self._counts else None,
             faults=list(self._faults.values()),
             notices=self._notices,
-            settings=settings,
+            **more,
         )
 
     def _add(self, topic: str, columns: tuple[Any, ...]) -> None:
@@ -192,10 +197,14 @@ def settings_of(settings: Parts) -> list[Setting]:
 
 def _used(settings: Parts) -> list[type[Settings]]:
     estimators, pedometer = settings[PipelineSettings].estimators, settings[PedometerSettings]
-    parts: list[type[Settings]] = [PipelineSettings, GravitySettings]
-    if 'integrator' in estimators:
+    parts: list[type[Settings]] = [PipelineSettings]
+    if estimators != (NAVIGATOR,):
+        parts.append(GravitySettings)
+    if INTEGRATOR in estimators:
         parts.append(IntegratorSettings)
-    if 'pedometer' in estimators:
+    if NAVIGATOR in estimators:
+        parts += [NavigatorSettings, *settings[NavigatorSettings].detector_parts]
+    if PEDOMETER in estimators:
         parts += [PedometerSettings, pedometer.method_part]
     return [*parts, CommonSettings, FrameSettings]
 

@@ -75,7 +75,7 @@ def _figures(contents: Contents, clock: Clock) -> str:
     figures = [_figure('duration', duration(clock.duration), *_samples(contents))]
     if states:
         figures += [
-            _figure('length of the way', metres(_length(states)), _speed(states)),
+            _way_figure(contents, states),
             _figure('end from start', metres(_closure(states)), *_end(states, 3)),
             _figure('at rest', f'{100.0 * np.mean(states.stationary):.0f} %', 'of the samples'),
         ]
@@ -101,6 +101,13 @@ def _figures(contents: Contents, clock: Clock) -> str:
         )
     )
     return f'<dl class="figures">{"".join(figures)}</dl>'
+
+
+def _way_figure(contents: Contents, states: Track) -> str:
+    if contents.strides is None or contents.path_length is None:
+        return _figure('length of the way', metres(_length(states)), _speed(states))
+    each = f'{contents.strides:,} strides'
+    return _figure('length of the way', metres(contents.path_length), each, _speed(states))
 
 
 def _figure(name: str, value: str, *more: str, marked: bool = False) -> str:
@@ -130,6 +137,7 @@ def _sections(contents: Contents, clock: Clock) -> Iterator[str]:
         yield _section(
             'Velocity',
             picture('velocity over time', lambda a: plots.velocity(a[0], states, clock)),
+            'Grey: taken for rest.',
         )
     if acceleration:
         yield _section(

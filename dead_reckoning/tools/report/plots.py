@@ -156,9 +156,11 @@ def height(axes: Axes, states: Track, clock: Clock) -> int:
 
 
 def velocity(axes: Axes, states: Track, clock: Clock) -> int:
-    """Draw the velocity over time; return how many points."""
+    """Draw the velocity over time, rests shaded; return how many points."""
     axes.set_ylabel('velocity [m/s]')
-    return _over_time([axes] * 3, states.stamp_ns, states.velocity, clock)
+    return rests(axes, states, clock) + _over_time(
+        [axes] * 3, states.stamp_ns, states.velocity, clock
+    )
 
 
 def acceleration(

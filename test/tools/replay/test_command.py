@@ -48,7 +48,8 @@ def test_one_input_goes_right_into_the_folder(tmp_path, capsys, bag, config):
     out, err = capsys.readouterr()
     head, line = out.splitlines()
     assert head.split() == [
-        'input', 'samples', 'duration', 'steps', 'distance', 'end', 'position', 'dropped', 'took'
+        'input', 'samples', 'duration', 'steps', 'strides', 'distance', 'path', 'end', 'position',
+        'dropped', 'took',
     ]  # fmt: skip
     assert line.split()[:5] == [str(bag), str(len(walk())), '7.8', 's', str(STEPS)]
     assert 'NotLevelledError' in err

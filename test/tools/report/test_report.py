@@ -76,7 +76,7 @@ def replayed(name, configuration, *blocks, on_foot=False):
         for topic, value in chain.push(RAW, block):
             if topic in takers:
                 takers[topic](value)
-    return collector.contents(name, sum(map(len, blocks)), settings_of(configuration))
+    return collector.contents(name, sum(map(len, blocks)), settings=settings_of(configuration))
 
 
 @pytest.fixture(scope='module')

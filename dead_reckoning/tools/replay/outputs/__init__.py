@@ -17,6 +17,9 @@ Takers: TypeAlias = Mapping[str, Callable[[Any], object]]
 BLOCK_END = 'end of block'
 """Name under which every output may learn that all of a block has come."""
 
+SMOOTHED_STATES = 'smoothed states (the smoother of inertial_navigator)'
+"""What an output may need besides topics."""
+
 
 class Output(Protocol):
     """What a module of this folder offers."""

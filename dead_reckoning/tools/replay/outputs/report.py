@@ -22,6 +22,6 @@ def write(folder: Path, task: Task) -> Iterator[Takers]:
     # Pictures take a second to import, and only this output needs them.
     from dead_reckoning.tools.report.page import write_report
 
-    settings = settings_of(task.configuration)
-    contents = collector.contents(task.name, task.summary.samples, settings)
+    more = {'settings': settings_of(task.configuration), **task.summary.way()}
+    contents = collector.contents(task.name, task.summary.samples, **more)
     write_report(folder / FILES[0], contents)

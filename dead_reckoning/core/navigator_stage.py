@@ -1,0 +1,133 @@
+"""What the inertial navigator takes and gives in a chain, by topic name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import replace
+
+from dead_reckoning.core.blocks import StateBlock
+from dead_reckoning.core.chain import END, FAULT, NOTICE, Output, Stage
+from dead_reckoning.core.common import CommonSettings
+from dead_reckoning.core.errors import NotLevelledError, RestartError, SampleError
+from dead_reckoning.core.mounting import IDENTITY_MOUNTING, Mounting, Mountings, carried, unmounted
+from dead_reckoning.core.navigation.settings import NavigatorSettings
+from dead_reckoning.core.navigator import InertialNavigator
+from dead_reckoning.core.parameters import Settings
+from dead_reckoning.core.rest import GRAVITY
+from dead_reckoning.core.rotation import matrix_from_quaternion, rotate
+from dead_reckoning.core.samples import NANOSECONDS, ZERO, ImuSample, NavigationState, Vector
+from dead_reckoning.core.stages import COMPASS, ODOMETRY, STATIONARY, STATISTIC, THRESHOLD
+
+
+class BodyStates:
+    """Carry the states of a navigator to the body on which its sensor sits.
+
+    ``starts`` has, for each start of the navigator that gave a state, where the sensor was then
+    from the body, shape (3,) [m], world frame: both begin at the origin.
+    """
+
+    def __init__(self, navigator: InertialNavigator, mountings: Mountings) -> None:
+        self.mounting: Mounting = IDENTITY_MOUNTING
+        """That of the sensor whose samples come."""
+        self.starts: list[Vector] = []
+        self._navigator = navigator
+        self._mountings = mountings
+        self._begun: object = None
+
+    def turned(self, imu: ImuSample) -> ImuSample:
+        """Return a sample in the axes of the body; raises `MissingMountingError`."""
+        self.mounting = self._mountings(imu.frame_id)
+        return self.mounting.to_body(imu)
+
+    def of(self, state: NavigationState) -> NavigationState:
+        """Return the state of the body, of the next state that the navigator gave."""
+        if self._navigator.strides is not self._begun:  # it counts anew from each start
+            self._begun = self._navigator.strides
+            self.starts.append(
+                rotate(matrix_from_quaternion(state.attitude), self.mounting.translation)
+            )
+        return self.moved(state, self.starts[-1])
+
+    def smoothed(self, blocks: Iterable[StateBlock]) -> Iterator[StateBlock]:
+        """Yield the states of the body for those of a smoother, from the last to the first."""
+        at, later_ns = len(self.starts) - 1, None
+        for block in blocks:
+            if later_ns is not None and block.stamp_ns[-1] >= later_ns:
+                at -= 1  # the stamps went back between the two
+            later_ns = block.stamp_ns[0]
+            if self.mounting.translation == ZERO or at < 0:
+                yield block
+            else:
+                states = (block.sample(k) for k in range(len(block)))
+                yield StateBlock.of([self.moved(state, self.starts[at]) for state in states])
+
+    def moved(self, state: NavigationState, start_w: Vector) -> NavigationState:
+        """Return the state of the body where the lever arm was ``start_w`` at the start."""
+        lever_arm = self.mounting.translation
+        if lever_arm == ZERO:
+            return state
+        rot_wb = matrix_from_quaternion(state.attitude)
+        return carried(state, rot_wb, lever_arm, start_w, state.angular_velocity_covariance)
+
+
+def load_kernels(settings: NavigatorSettings, common: CommonSettings, *own: Settings) -> None:
+    """Let a navigator of these settings align, so that the first samples need not wait for it.
+
+    That takes a second, where the kernels have to be compiled ten or more.
+    """
+    settings = replace(settings, rest_duration=0.5, max_gap=0.5)
+    navigator = InertialNavigator(settings, common, *own)
+    for k in range(60):
+        with suppress(NotLevelledError):
+            stamp_ns = (1 + k) * NANOSECONDS // 100
+            navigator.update(
+                ImuSample(stamp_ns, '', (0.0, 0.0, GRAVITY), angular_velocity=(0.0, 0.0, 0.0))
+            )
+
+
+def navigator_stage(
+    navigator: InertialNavigator,
+    mountings: Mountings = unmounted,
+    body: BodyStates | None = None,
+) -> Stage:
+    """Take an Imu with a rate of turn, and a compass; give the state of the body, rest on change.
+
+    States are late by the look-ahead of the detector, and have the stamps of their samples; `END`
+    brings the last of them.  What the detector goes by comes with them.
+    """
+    body = body or BodyStates(navigator, mountings)
+    said: bool | None = None
+
+    def give(states: Iterable[NavigationState]) -> list[Output]:
+        nonlocal said
+        outputs: list[Output] = []
+        for state in states:
+            outputs.append((ODOMETRY, body.of(state)))
+            if state.stationary is not said:
+                said = state.stationary
+                outputs.append((STATIONARY, said))
+        if outputs:
+            outputs += [(STATISTIC, navigator.statistic), (THRESHOLD, navigator.threshold)]
+        return outputs
+
+    def take(imu: ImuSample) -> list[Output]:
+        turned = body.turned(imu)
+        restarts, aligned = navigator.restarts, navigator.aligned
+        try:
+            outputs = give(navigator.update(turned))
+        except SampleError as error:
+            outputs = [(FAULT, error)]
+        if navigator.restarts != restarts:
+            outputs.append((FAULT, RestartError('the stamps went back: looking for rest anew')))
+        if navigator.aligned and navigator.aligned is not aligned:
+            outputs.append((NOTICE, f'aligned: {navigator.aligned}'))
+        outputs.extend((FAULT, finding) for finding in navigator.findings)
+        navigator.findings.clear()
+        return outputs
+
+    def turn(compass: ImuSample) -> tuple[()]:
+        navigator.follow_compass(compass)
+        return ()
+
+    return {navigator.settings.input: take, COMPASS: turn, END: lambda _: give(navigator.flush())}

@@ -1,0 +1,79 @@
+"""Node `inertial_navigator`: Odometry from an Imu with a gyro, corrected at each rest."""
+
+from __future__ import annotations
+
+import time
+
+from dead_reckoning.configuration import NAVIGATOR
+from dead_reckoning.core.chain import Chain
+from dead_reckoning.core.kernels import SLOW, accelerated
+from dead_reckoning.core.navigation.settings import NavigatorSettings
+from dead_reckoning.core.navigator import InertialNavigator
+from dead_reckoning.core.navigator_stage import load_kernels, navigator_stage
+from dead_reckoning.core.stages import COMPASS, ODOMETRY, STATIONARY, STATISTIC, THRESHOLD
+from dead_reckoning.nodes import parameters
+from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.transforms import mountings
+
+LONG = 5.0
+"""Loading kernels takes less [s]."""
+
+
+class InertialNavigatorNode(ChainNode):
+    """Take an Imu and `compass/data`, publish `odom` and `stationary`."""
+
+    def __init__(self) -> None:
+        super().__init__('inertial_navigator', NAVIGATOR)
+        settings = self.configuration[NavigatorSettings]
+        own = [self.configuration[part] for part in settings.detector_parts]
+        prepare(self)
+        navigator = InertialNavigator(settings, self.common, *own)
+        self.connect(
+            Chain([navigator_stage(navigator, mountings(self, self.frames))]),
+            inputs=(settings.input, COMPASS),
+            outputs=(ODOMETRY, STATIONARY, STATISTIC, THRESHOLD),
+            on_demand=(STATISTIC, THRESHOLD),
+            optional=(COMPASS,),
+        )
+        serve(self, navigator)
+
+
+def prepare(node: ChainNode) -> None:
+    """Load what an inertial navigator needs, before samples come that would have to wait."""
+    settings = node.configuration[NavigatorSettings]
+    begin = time.perf_counter()
+    own = [node.configuration[part] for part in settings.detector_parts]
+    load_kernels(settings, node.common, *own)
+    if not accelerated():
+        node.get_logger().warning(SLOW)
+    elif (took := time.perf_counter() - begin) > LONG:
+        node.get_logger().info(f'the kernels were compiled, once for all: {took:.0f} s')
+
+
+def serve(node: ChainNode, navigator: InertialNavigator) -> None:
+    """Give a node the services, figures and changeable parameters of an inertial navigator."""
+
+    def reset() -> str:
+        navigator.reset()
+        return 'looking for rest, to align and begin at the origin'
+
+    node.offer('reset', reset)
+    node.offer('level', navigator.level)
+    parameters.follow_changes(node, navigator.settings, navigator.configure)
+    node.show(lambda: figures(navigator))
+
+
+def figures(navigator: InertialNavigator) -> dict[str, object]:
+    """Return what /diagnostics shows of an inertial navigator."""
+    return {
+        'aligned': navigator.aligned or 'not yet',
+        'stationary': 'yes' if navigator.stationary else 'no',
+        'statistic': f'{navigator.statistic:.4g}',
+        'threshold': f'{navigator.threshold:.4g}',
+        'strides': navigator.strides.count,
+        'path_length': f'{navigator.strides.path_length:.2f}',
+        **navigator.counts,
+    }
+
+
+NODE = InertialNavigatorNode

@@ -1,0 +1,199 @@
+"""The inertial navigator over DDS: a foot that walks, services, switches, what can go wrong."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from messages import GRAVITY, NANOSECONDS, START_NS, Feed, imu_message
+from nav_msgs.msg import Odometry
+from rclpy.qos import QoSDurabilityPolicy, QoSProfile
+from ros_harness import DEEP, EXECUTORS, figures, lossless
+from rosbags.rosbag2 import Reader
+from sensor_msgs.msg import Imu
+from simulated_walks import measured, walk
+from std_msgs.msg import Bool, Float64
+
+from dead_reckoning import wire
+from dead_reckoning.configuration import Configuration
+from dead_reckoning.core.common import FrameSettings
+from dead_reckoning.core.pipeline import Pipeline
+from dead_reckoning.core.stages import ODOMETRY, RAW, STATIONARY, STATISTIC, THRESHOLD
+from dead_reckoning.sources.bags import BagWriter
+from dead_reckoning.tools.main import main
+from dead_reckoning.topics import topics
+
+WARM_UP_NS = START_NS + 1_000 * NANOSECONDS
+"""Stamps before the real ones; the step back makes everything start anew."""
+ESTIMATORS = {'pipeline.estimators': ['inertial_navigator']}
+MOUNTED = {
+    'frames.mounting_translation': [0.3, -0.1, 0.2],
+    'frames.mounting_rotation': [1.0, 0.2, 0.5],
+}
+ALL_OF_IT = QoSProfile(depth=DEEP, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
+
+
+@pytest.fixture(scope='module')
+def messages():
+    """A foot's walk as bytes, and what can go wrong between."""
+    block = measured(walk(), seed=3).block(START_NS)
+    samples = [block.sample(k) for k in range(1600)]
+    samples[900] = replace(samples[900], specific_force=(float('nan'), 0.0, 0.0))
+    samples[950] = replace(samples[950], angular_velocity=None)
+    samples[1000] = replace(samples[1000], stamp_ns=samples[998].stamp_ns)
+    samples[1100:1250] = []  # a gap
+    return [wire.encode_imu(sample) for sample in samples]
+
+
+def rest_message(stamp_ns, force=(0.0, 0.0, GRAVITY), rate=(0.0, 0.0, 0.0)):
+    message = imu_message(stamp_ns, force)
+    message.angular_velocity_covariance[0] = 0.0
+    message.angular_velocity.x, message.angular_velocity.y, message.angular_velocity.z = rate
+    return message
+
+
+def resting(ros, topic='imu/data_raw', start_ns=WARM_UP_NS):
+    """Return a feed of samples at rest."""
+    publisher = ros.publisher(topic, Imu)
+    return Feed(ros, lambda *sample: publisher.publish(rest_message(*sample)), 200.0, start_ns)
+
+
+@pytest.mark.parametrize(
+    ('name', 'executor'), [('inertial_navigator', 'events'), ('pipeline', 'single')]
+)
+def test_node_gives_what_the_chain_gives(ros, messages, name, executor):
+    """Bit for bit: odom with the stamp of each Imu, rest on change, what the detector goes by."""
+    settings = {**ESTIMATORS, **MOUNTED}
+    given = {ODOMETRY: Odometry, STATIONARY: Bool, STATISTIC: Float64, THRESHOLD: Float64}
+    full = [f'/{topic}' for topic in (RAW, *given)]
+    ros.start(name, {**settings, **lossless(*full), 'common.executor': executor})
+    configuration = Configuration(settings)
+    spoken, direct = topics(configuration[FrameSettings]), Pipeline(configuration).chain
+    recordings = {
+        topic: ros.record(topic, kind, ALL_OF_IT if topic == STATIONARY else DEEP, raw=True)
+        for topic, kind in given.items()
+    }
+    expected = {topic: [] for topic in given}
+    feed = resting(ros)
+
+    def push(data):
+        for topic, value in direct.push(RAW, wire.decode_imu(data)):
+            if topic in expected:
+                expected[topic].append(spoken[topic].encode(value))
+
+    feed.send_until(lambda: all(recordings.values()), 'all outputs')
+    publisher = ros.node.create_publisher(Imu, RAW, DEEP)
+    ros.until(lambda: publisher.get_subscription_count(), 'the node')
+    for data in messages:
+        publisher.publish(data)
+        push(data)
+    assert len(expected[ODOMETRY]) > 1200
+    for topic, wanted in expected.items():
+        if topic == STATIONARY:
+            wanted = wanted[1:]  # it rested before, too
+        recording = recordings[topic]
+        ros.until(lambda r=recording, w=wanted: r.messages[-len(w) :] == w, f'all of {topic}')
+
+
+def test_live_and_replay_give_the_same_odometry(ros, messages, tmp_path):
+    settings = {**ESTIMATORS, **MOUNTED}
+    ros.start('pipeline', {**settings, **lossless('/imu/data_raw', '/odom')})
+    live = ros.record('odom', Odometry, DEEP, raw=True).connected()
+    resting(ros).send_until(lambda: live.messages, 'odometry')
+    publisher = ros.publisher(RAW, Imu)
+    for message in messages:
+        publisher.publish(message)
+
+    writer = BagWriter(tmp_path / 'recorded', {f'/{RAW}': ('sensor_msgs/msg/Imu', False)})
+    for number, message in enumerate(messages):
+        writer.write(f'/{RAW}', number, message)
+    writer.close()
+    config = tmp_path / 'config.yaml'
+    config.write_text(yaml.safe_dump({'/**': {'ros__parameters': settings}}))
+    output = ['--config', str(config), '--output', str(tmp_path / 'out'), '--outputs', 'bag']
+    assert main(['replay', str(tmp_path / 'recorded'), *output]) == 0
+    with Reader(tmp_path / 'out/bag') as reader:
+        odometry = [c for c in reader.connections if c.topic == '/odom']
+        replayed = [data for _, _, data in reader.messages(odometry)]
+    # At the end of a recording there is no sample that lacks: a live node waits for more.
+    pipeline = Pipeline(Configuration(settings))
+    for message in messages:
+        pipeline.chain.push(RAW, wire.decode_imu(message))
+    held_back = len(pipeline.chain.end()) - 2
+    assert 5 < held_back < 10
+    replayed = replayed[:-held_back]
+
+    assert len(replayed) > 1200
+    last = replayed[-1][:12]
+    ros.until(lambda: live.messages[-1][:12] == last, 'the last odometry')
+    published = live.messages[-len(replayed) :]
+    doubles = 8 * 85
+    assert [data[:-doubles] for data in published] == [data[:-doubles] for data in replayed]
+    np.testing.assert_allclose(
+        [np.frombuffer(data[-doubles:]) for data in replayed],
+        [np.frombuffer(data[-doubles:]) for data in published],
+        rtol=1e-9,
+        atol=1e-9,
+    )
+
+
+@pytest.mark.parametrize('executor', EXECUTORS)
+def test_reset_begins_at_the_origin(ros, executor):
+    ros.start('inertial_navigator', {'common.executor': executor, **lossless('/imu/data_raw')})
+    odom = ros.record('odom', Odometry, DEEP)
+    diagnostics = ros.diagnostics()
+    feed = resting(ros)
+    feed.send_until(lambda: odom.messages, 'odometry')
+    aligned = diagnostics.until(
+        'inertial_navigator', lambda s: 'gravity is 9.806' in figures(s)['aligned'], 'alignment'
+    )
+    shown = figures(aligned)
+    assert shown['strides'] == '0'
+    assert {'statistic', 'threshold', 'zero_velocity', 'floor', 'gap'} <= shown.keys()
+    for _ in range(200):
+        feed.send((0.0, 0.0, GRAVITY), (0.0, 0.0, 1.0))
+    feed.send_until(lambda: abs(odom.messages[-1].pose.pose.orientation.z) > 0.3, 'a turn')
+    answer = ros.trigger('inertial_navigator/reset')
+    assert answer.success
+    assert 'looking for rest' in answer.message
+    count = len(odom)
+    feed.send_until(lambda: len(odom) > count, 'odometry after the reset')
+    ros.until(lambda: abs(odom.messages[-1].pose.pose.orientation.z) < 1e-3, 'yaw 0')
+
+
+def test_an_imu_without_a_gyro_is_said(ros):
+    ros.start('inertial_navigator')
+    diagnostics = ros.diagnostics()
+    publisher = ros.publisher('imu/data_raw', Imu)
+    feed = Feed(ros, lambda ns: publisher.publish(imu_message(ns, (0.0, 0.0, GRAVITY))))
+    feed.send_until(
+        lambda: any(
+            'measures no angular velocity' in status.message
+            for status in diagnostics.of('inertial_navigator')
+        ),
+        'MissingRateError',
+    )
+
+
+def test_its_input_is_a_parameter(ros):
+    ros.start('inertial_navigator', {'navigator.input': 'imu/data'})
+    odom = ros.record('odom', Odometry)
+    resting(ros, 'imu/data').send_until(lambda: odom.messages, 'odometry')
+
+
+def test_two_that_give_odom_exclude_each_other(ros):
+    node = ros.start('pipeline', {'pipeline.estimators': ['integrator', 'inertial_navigator']})
+    assert node.wait() == 2
+    assert 'integrator and inertial_navigator exclude each other' in node.stderr
+    assert 'Traceback' not in node.stderr
+
+
+def test_a_log_of_a_while_and_then_the_end(ros, tmp_path):
+    log = tmp_path / 'log.csv'
+    settings = {'pipeline.log_csv': str(log), 'pipeline.duration': 1.0}
+    node = ros.start('pipeline', {**ESTIMATORS, **settings, **lossless('/imu/data_raw')})
+    feed = resting(ros)
+    feed.send_until(lambda: not node.running, 'its end')
+    assert node.wait() == 0
+    stamps = [int(line.split(',')[0]) for line in log.read_text().splitlines()[1:]]
+    assert stamps[-1] - stamps[0] == NANOSECONDS
