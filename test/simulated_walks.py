@@ -1,5 +1,7 @@
 """Walks of a simulated foot through a simulated sensor, and navigators that take them."""
 
+from contextlib import suppress
+
 import numpy as np
 
 from benchmarks.accuracy.simulated_walks import (
@@ -11,9 +13,10 @@ from benchmarks.accuracy.simulated_walks import (
     measured,
     walk,
 )
+from dead_reckoning.core.batch.navigator import navigator_run
 from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.common import CommonSettings
-from dead_reckoning.core.errors import NotLevelledError
+from dead_reckoning.core.errors import NotLevelledError, SampleError
 from dead_reckoning.core.kernels.navigation import layout
 from dead_reckoning.core.kernels.navigation.filter import navigate
 from dead_reckoning.core.navigation.aids import NO_AIDS
@@ -22,8 +25,8 @@ from dead_reckoning.core.navigator import InertialNavigator
 from dead_reckoning.core.smoother import LARGEST_LOG
 
 __all__ = [
-    'MOUNTED', 'START_NS', 'UP', 'Walk', 'filtered', 'joined', 'measured', 'navigator',
-    'streamed', 'walk',
+    'MOUNTED', 'START_NS', 'UP', 'Walk', 'blocks_of', 'filtered', 'joined', 'measured',
+    'navigator', 'streamed', 'walk',
 ]  # fmt: skip
 
 
@@ -50,3 +53,18 @@ def streamed(found, block):
             assert not found.aligned
     states += found.flush()
     return StateBlock.of(states)
+
+
+def blocks_of(found, block):
+    """Return what a navigator gives for a block, in blocks; faults and odd samples one by one."""
+    run, blocks, begin = navigator_run(found), [], 0
+    while begin < len(block):
+        count, outputs = run(block, begin)
+        blocks += [states for _, states in outputs]
+        begin += count
+        if not count:
+            with suppress(SampleError):
+                states = found.update(block.sample(begin))
+                blocks += [StateBlock.of(states)] if states else []
+            begin += 1
+    return blocks
