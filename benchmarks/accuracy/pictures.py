@@ -16,6 +16,7 @@ TRUTH = {'color': '#9a9a9a', 'linewidth': 4.0}
 ESTIMATE = {'color': '#c0392b', 'linewidth': 1.4}
 AXES = ('#c0392b', '#2e86c1', '#27ae60')
 RUNS = ('#c0392b', '#2e86c1', '#8e44ad')
+COLOURS = (*RUNS, '#27ae60')
 
 
 def two_and_one(title: str) -> tuple[Figure, tuple[Axes, Axes, Axes]]:
@@ -28,6 +29,17 @@ def two_and_one(title: str) -> tuple[Figure, tuple[Axes, Axes, Axes]]:
     below = figure.add_subplot(grid[1, 0], sharex=above)
     above.tick_params(labelbottom=False)
     return figure, (above, below, figure.add_subplot(grid[:, 1]))
+
+
+def beside(title: str, count: int) -> tuple[Figure, list[Axes], tuple[Axes, Axes]]:
+    """Return a figure with some axes beside each other, then two above each other."""
+    figure = Figure(figsize=(4.3 * (count + 1), 5.6), dpi=110, layout='constrained')
+    FigureCanvasAgg(figure)
+    figure.suptitle(title)
+    grid = figure.add_gridspec(2, count + 1)
+    left = [figure.add_subplot(grid[:, column]) for column in range(count)]
+    right = figure.add_subplot(grid[0, count]), figure.add_subplot(grid[1, count])
+    return figure, left, right
 
 
 def one(title: str) -> tuple[Figure, Axes]:
