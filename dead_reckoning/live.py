@@ -62,7 +62,7 @@ class LiveChain(Chain):
         assert pipeline.gravity is not None
         assert pipeline.integrator is not None
         self.kernel: Callable[[Array], int] | None = None
-        """What does it; whoever has `layout.take` compiled puts it here."""
+        """What does it; whoever has `kernels.live.take` compiled puts it here."""
         self.taken = 0
         """Messages that were taken by the kernel."""
         self._pipeline = pipeline
@@ -152,7 +152,7 @@ class LiveChain(Chain):
         length = int.from_bytes(data[TEXT_AT - 4 : TEXT_AT], 'little')
         parts = self._parts()
         fits = len(data) == doubles_at(length) + 8 * layout.IMU_DOUBLES
-        if parts is None or not fits or len(data) % 8 != 4:
+        if parts is None or not fits:
             self._waiting = WAIT
             return None
         self._text_end = TEXT_AT + length
@@ -233,7 +233,7 @@ class LiveChain(Chain):
 
 def suits(pipeline: Pipeline, parts: Parts) -> bool:
     """Say whether there is a kernel for a pipeline and its settings."""
-    settings, frames = parts[PipelineSettings], parts[FrameSettings]
+    frames = parts[FrameSettings]
     removal, moving, counting = pipeline.gravity, pipeline.integrator, pipeline.pedometer
     if removal is None or moving is None or integrator.parts_of(moving) is None:
         return False
@@ -244,7 +244,8 @@ def suits(pipeline: Pipeline, parts: Parts) -> bool:
     mounting = mountings_of(frames)('')
     if mounting.rotation != IDENTITY_QUATERNION or mounting.translation != ZERO:
         return False
-    if settings.source != 'topic' or settings.log_csv or settings.duration > 0.0:
+    stages = 2 if counting is None else 3
+    if parts[PipelineSettings].source != 'topic' or len(pipeline.stages) != stages:
         return False
     return counting is None or counting.settings.input in (
         IMU,

@@ -77,8 +77,6 @@ NOT_SUITED = {
     'sensor off the origin': {'frames.mounting_translation': [0.1, 0.2, 0.3]},
     'mounting from TF': {'frames.mounting': 'tf'},
     'transforms': {'frames.publish_tf': True},
-    'a log': {'pipeline.log_csv': 'log.csv'},
-    'an end': {'pipeline.duration': 1.0},
     'a source of its own': {'pipeline.source': 'simulated'},
     'no integrator': {'pipeline.estimators': ['pedometer']},
     'two inputs': {**MESSAGE, **WALK},
@@ -302,6 +300,12 @@ def test_what_there_is_no_kernel_for_goes_without(values):
     configuration = Configuration(values)
     mountings = (lambda _: None) if values.get('frames.mounting') == 'tf' else None
     assert not suits(Pipeline(configuration, mountings=mountings), configuration)
+
+
+def test_a_chain_with_more_stages_goes_without():
+    configuration = Configuration({})
+    assert suits(Pipeline(configuration), configuration)
+    assert not suits(Pipeline(configuration, [{ODOMETRY: lambda _: []}]), configuration)
 
 
 def test_frames_of_the_odometry_are_those_of_the_settings(take):

@@ -45,7 +45,6 @@ class PipelineNode(ChainNode):
         if suits(pipeline, self.configuration):
             chain = live = LiveChain(pipeline, self.frames)
             self.show(lambda: {'compiled': live.taken})
-            load(self, live)
         self.connect(
             chain,
             inputs=inputs,
@@ -66,6 +65,8 @@ class PipelineNode(ChainNode):
             pedometer.serve(
                 self, pipeline.pedometer, pipeline.step_odometry, calibrate='pedometer/calibrate'
             )
+        if isinstance(chain, LiveChain):  # last: its thread ends with the node
+            load(self, chain)
 
     def _needs_compass(self, pipeline: Pipeline) -> bool:
         return (

@@ -1,6 +1,9 @@
 """Compiled code comes in beside the traffic, and nothing waits for it."""
 
+import os
 import signal
+import subprocess
+import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -8,7 +11,7 @@ import pytest
 from geometry_msgs.msg import AccelWithCovarianceStamped
 from messages import GRAVITY, NANOSECONDS, Feed, imu_message
 from nav_msgs.msg import Odometry
-from ros_harness import figures, lossless
+from ros_harness import NODES, figures, lossless
 from sensor_msgs.msg import Imu
 
 from dead_reckoning.core.kernels.live import take
@@ -20,6 +23,19 @@ SETTINGS = {
     'pipeline.estimators': ['integrator', 'pedometer'],
     'pedometer.input': 'imu/data',
 }
+
+
+@pytest.mark.parametrize('name', [name for name in NODES if name != 'pipeline'])
+def test_other_nodes_import_neither_numba_nor_kernels(name):
+    code = (
+        'import sys\n'
+        f'import dead_reckoning.nodes.{name}\n'
+        "heavy = ('numba', 'dead_reckoning.core.kernels')\n"
+        'print([module for module in sys.modules if module.startswith(heavy)])'
+    )
+    environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)}
+    found = subprocess.run([sys.executable, '-c', code], env=environment, stdout=subprocess.PIPE)
+    assert found.stdout.split() == [b'[]']
 
 
 @pytest.fixture
