@@ -1,12 +1,14 @@
 """Walks of a simulated foot through a simulated sensor, and navigators that take them."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
+from dead_reckoning.core.batch.navigator import navigator_run
 from dead_reckoning.core.blocks import ImuBlock, StateBlock
 from dead_reckoning.core.common import CommonSettings
-from dead_reckoning.core.errors import NotLevelledError
+from dead_reckoning.core.errors import NotLevelledError, SampleError
 from dead_reckoning.core.kernels.navigation import layout
 from dead_reckoning.core.kernels.navigation.filter import navigate
 from dead_reckoning.core.navigation.aids import NO_AIDS
@@ -106,3 +108,18 @@ def streamed(found, block):
             assert not found.aligned
     states += found.flush()
     return StateBlock.of(states)
+
+
+def blocks_of(found, block):
+    """Return what a navigator gives for a block, in blocks; faults and odd samples one by one."""
+    run, blocks, begin = navigator_run(found), [], 0
+    while begin < len(block):
+        count, outputs = run(block, begin)
+        blocks += [states for _, states in outputs]
+        begin += count
+        if not count:
+            with suppress(SampleError):
+                states = found.update(block.sample(begin))
+                blocks += [StateBlock.of(states)] if states else []
+            begin += 1
+    return blocks

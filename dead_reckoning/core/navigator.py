@@ -141,7 +141,7 @@ class InertialNavigator:
         self._search: RestSearch | None = None
         self._aids = Aids()
         self._to_north = False  # whether the yaw is one of a compass
-        self._silent = False  # whether the compass is
+        self._heard = self._silent = False  # a compass, ever, and lately
         self._waiting: deque[int] = deque()
         self._state: Array = np.zeros(0)
         self._rules: Array = np.zeros(0)
@@ -192,15 +192,14 @@ class InertialNavigator:
         Raises `SampleError` (no orientation, not finite, stale stamp), and then nothing changed.
         """
         self._compass.take(compass)
+        self._heard = True
         found = self._compass.at(compass.stamp_ns)
         if found is None or not self.aligned or not self.settings.compass:
             return
         yaw, variance = found
         interval = self._compass.interval
         if self._to_north and interval is not None:
-            lasts = 2.0 * self.settings.compass_correlation / interval
-            values = (yaw, variance, variance * max(1.0, lasts))
-            self._aids.add(compass.stamp_ns, layout.YAW, values)
+            self._aids.add(compass.stamp_ns, layout.YAW, (yaw, variance, interval))
         else:
             self._to_north = True
             self._aids.add(compass.stamp_ns, layout.NORTH, (yaw, variance))
@@ -243,7 +242,8 @@ class InertialNavigator:
                     'if the sensor is that slow, raise navigator.max_gap'
                 )
             )
-        self._watch_compass(imu.stamp_ns)
+        if self._heard:
+            self._watch_compass(imu.stamp_ns)
         if self._search is not None:
             self._look_for_rest(self._search, imu)
         row = self._row
@@ -295,7 +295,7 @@ class InertialNavigator:
         """Filter samples, after those that wait; rows that stand for no sample have no stamp."""
         self._detector.take(samples, verdicts)
         aids = NO_AIDS
-        if self._aids:
+        if self._aids.waiting:
             waiting = len(self._waiting)
             unfiltered = np.concatenate((np.array(self._waiting, np.int64), stamps))
             aids = self._aids.due(unfiltered, self._detector.delay - waiting, len(samples))

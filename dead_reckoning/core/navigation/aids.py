@@ -24,19 +24,16 @@ class Aids:
     """
 
     def __init__(self) -> None:
-        self._waiting: deque[tuple[int, int, Sequence[float]]] = deque(maxlen=LONGEST)
-
-    def __len__(self) -> int:
-        """Return how many wait."""
-        return len(self._waiting)
+        self.waiting: deque[tuple[int, int, Sequence[float]]] = deque(maxlen=LONGEST)
+        """Stamp [ns], kind and values of each."""
 
     def clear(self) -> None:
         """Drop those that wait."""
-        self._waiting.clear()
+        self.waiting.clear()
 
     def add(self, stamp_ns: int, kind: int, values: Sequence[float]) -> None:
         """Take one, of a kind of `layout`; its age is added to the values."""
-        self._waiting.append((stamp_ns, kind, values))
+        self.waiting.append((stamp_ns, kind, values))
 
     def due(self, stamps: Stamps, first: int, rows: int) -> Array:
         """Return those that the next rows take, shape (m, AID_ROW).
@@ -44,12 +41,12 @@ class Aids:
         ``stamps`` are those of the samples that are not filtered yet, of which sample i is
         filtered with row ``first`` + i.
         """
-        made, kept = [], deque(self._waiting)
-        self._waiting.clear()
+        made, kept = [], deque(self.waiting)
+        self.waiting.clear()
         for stamp_ns, kind, values in kept:
             index = int(np.searchsorted(stamps, stamp_ns))
             if index + first >= rows or index == len(stamps):
-                self._waiting.append((stamp_ns, kind, values))
+                self.waiting.append((stamp_ns, kind, values))
                 continue
             age = (int(stamps[index]) - stamp_ns) / NANOSECONDS
             padding = (layout.AID_ROW - 3 - len(values)) * (0.0,)

@@ -64,6 +64,14 @@ class NavigatorSettings(Settings, prefix='navigator'):
         unit='rad/s',
         minimum=0.0,
     )
+    averaging: float = parameter(
+        1.0,
+        'A sample is the mean over so much of the time between samples: 1 after a filter that '
+        'goes with the rate, as most sensors have, or where samples were averaged; 0 for values '
+        'of an instant',
+        minimum=0.0,
+        maximum=3.0,
+    )
     acceleration_noise: float = parameter(
         0.12,
         'Noise of the acceleration: errors of scale, of alignment and of timing over a swing of '

@@ -1,6 +1,7 @@
 """The inertial navigator: alignment, laws, faults; streaming and blocks."""
 
 from contextlib import suppress
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from simulated_walks import (
     MOUNTED,
     START_NS,
     Walk,
+    blocks_of,
     filtered,
     joined,
     measured,
@@ -16,7 +18,6 @@ from simulated_walks import (
     walk,
 )
 
-from dead_reckoning.core.batch.navigator import navigator_run
 from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.errors import (
     GapError,
@@ -50,22 +51,9 @@ def navigated(walk, **settings):
 
 def in_blocks(found, block, cuts):
     """Return the states for a block in parts; what is left to the stream goes there."""
-    run, blocks = navigator_run(found), []
-    for part in np.split(np.arange(len(block)), cuts):
-        if not len(part):
-            continue
-        piece, begin = block.part(int(part[0]), int(part[-1]) + 1), 0
-        while begin < len(piece):
-            count, outputs = run(piece, begin)
-            blocks += [states for _, states in outputs]
-            begin += count
-            if not count:
-                try:
-                    states = found.update(piece.sample(begin))
-                except SampleError:
-                    states = []
-                blocks += [StateBlock.of(states)] if states else []
-                begin += 1
+    edges, blocks = [0, *cuts, len(block)], []
+    for begin, end in pairwise(edges):
+        blocks += blocks_of(found, block.part(begin, end))
     tail = found.flush()
     return StateBlock.join(blocks + ([StateBlock.of(tail)] if tail else []))
 

@@ -22,14 +22,14 @@ def vectors(rows):
     return [tuple(row) for row in np.asarray(rows, float).tolist()]
 
 
-def integrated(dt, force, rate, attitude=(0.0, 0.0, 0.0, 1.0), velocity=(0.0, 0.0, 0.0)):
+def integrated(dt, force, rate, attitude=(0.0, 0.0, 0.0, 1.0), averaging=0.0):
     """Return position, velocity and attitude after samples ``dt`` apart, shapes (n, 3)."""
     force, rate = vectors(force), vectors(rate)
-    position = np.zeros(3)
+    position, velocity = np.zeros(3), (0.0, 0.0, 0.0)
     for k in range(1, len(force)):
         dt0, before = (dt, k - 2) if k > 1 else (0.0, 0)
-        turn = integral(dt, dt0, rate[k], rate[k - 1], rate[before])
-        push = integral(dt, dt0, force[k], force[k - 1], force[before])
+        turn = integral(dt, dt0, rate[k], rate[k - 1], rate[before], averaging)
+        push = integral(dt, dt0, force[k], force[k - 1], force[before], averaging)
         turn, push = increments(dt, turn, push, rate[k - 1], rate[k], force[k - 1], force[k])
         way, velocity, attitude, _ = moved(dt, GRAVITY, velocity, attitude, turn, push)
         position += way
@@ -60,9 +60,9 @@ def test_parabola_is_integrated_exactly_and_an_uneven_step_by_a_line():
     def area(t):
         return (t - t * t + t**3) * np.array([1.0, -2.0, 0.5])
 
-    found = integral(0.3, 0.2, value(0.5), value(0.2), value(0.0))
+    found = integral(0.3, 0.2, value(0.5), value(0.2), value(0.0), 0.0)
     np.testing.assert_allclose(found, area(0.5) - area(0.2), rtol=1e-12)
-    found = integral(0.3, 0.01, value(0.5), value(0.2), value(0.19))
+    found = integral(0.3, 0.01, value(0.5), value(0.2), value(0.19), 0.0)
     np.testing.assert_allclose(found, 0.15 * (np.array(value(0.2)) + value(0.5)), rtol=1e-12)
 
 
@@ -78,16 +78,26 @@ def coning(time, swing=0.4, turn=7.0):
     return rotation(time), rate
 
 
+@pytest.mark.parametrize('averaging', [0.0, 1.0])
 @pytest.mark.parametrize('accelerated', [False, True])
-def test_coning_and_sculling_are_integrated_to_third_order(accelerated):
+def test_coning_and_sculling_are_integrated_to_third_order(accelerated, averaging):
+    """Of values of an instant, and of means over the time between samples."""
+    swings = np.array([3.0, -2.0, 5.0]) * accelerated
+    inside = averaging * (np.arange(10) - 4.5) / 10.0
     errors = []
     for dt in (0.02, 0.01, 0.005):
         time = np.arange(round(2.0 / dt) + 1) * dt
-        truth, rate = coning(time)
-        swings = np.array([3.0, -2.0, 5.0]) * accelerated
-        acceleration_w = np.cos(time[:, None] * [5.0, 6.0, 7.0]) * swings
-        force = truth.inv().apply(acceleration_w + UP)
-        _, velocity, found = integrated(dt, force, rate, tuple(truth[0].as_quat()))
+        truth, _ = coning(time)
+        force, rate = np.zeros((2, len(time), 3))
+        for part in inside:
+            within = time + part * dt
+            rotation, turn = coning(within)
+            acceleration_w = np.cos(within[:, None] * [5.0, 6.0, 7.0]) * swings
+            force += 0.1 * rotation.inv().apply(acceleration_w + UP)
+            rate += 0.1 * turn
+        _, velocity, found = integrated(
+            dt, force, rate, tuple(truth[0].as_quat()), averaging=averaging
+        )
         expected = np.sin(2.0 * np.array([5.0, 6.0, 7.0])) / [5.0, 6.0, 7.0] * swings
         turned = (found * truth[-1].inv()).magnitude()
         errors.append((turned, np.linalg.norm(velocity - expected)))
@@ -100,7 +110,7 @@ def step(position, velocity, rotation, rate_bias, force_bias, dt=1e-3):
     rate = np.array([[2.0, -5.0, 3.0], [2.3, -4.6, 3.1]]) - rate_bias
     force = np.array([[12.0, 4.0, -15.0], [12.5, 3.0, -14.0]]) - force_bias
     (w1, w2), (f1, f2) = vectors(rate), vectors(force)
-    turn, push = integral(dt, 0.0, w2, w1, w1), integral(dt, 0.0, f2, f1, f1)
+    turn, push = integral(dt, 0.0, w2, w1, w1, 1.0), integral(dt, 0.0, f2, f1, f1, 1.0)
     turn, push = increments(dt, turn, push, w1, w2, f1, f2)
     attitude = tuple(rotation.as_quat().tolist())
     way, after, attitude, rot = moved(dt, GRAVITY, tuple(velocity), attitude, turn, push)

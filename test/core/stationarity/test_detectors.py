@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from dead_reckoning.core import stationarity
+from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.movement_end import MovementEnd
+from dead_reckoning.core.navigation.detection import detector_of
+from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.stationarity import Watch, detector_class
 
 NAMES = stationarity.names()
@@ -154,3 +157,52 @@ def test_movement_end_is_that_of_the_integrator():
         assert threshold == 0.4
         assert stationary == count.ended(0, rules)
     assert 0.1 < found[:, 2].mean() < 0.9
+
+
+def voted(names, votes, rows, chunks=()):
+    settings = NavigatorSettings(
+        detector=names, votes=votes, window=0.05, minimum=0.04, look_ahead=0.05, memory=0.3
+    )
+    found = detector_of(settings, (), GRAVITY, 100.0)
+    verdicts = np.zeros((len(rows), 3))
+    for part in np.split(np.arange(len(rows)), chunks):
+        said = np.zeros((len(part), 3))
+        found.take(rows[part], said)
+        verdicts[part] = said
+    return found, verdicts
+
+
+@pytest.mark.parametrize('votes', [1, 2, 3, 0])
+def test_so_many_detectors_make_a_rest(votes):
+    rows, names = samples(6), ('shoe', 'movement_end', 'acceleration_variance')
+    vote, verdicts = voted(names, votes, rows)
+    alone = []
+    for name in names:
+        found, said = voted((name,), 0, rows)
+        assert found.delay <= vote.delay
+        alone.append(said[found.delay : len(rows) - vote.delay + found.delay])
+    counted = sum(said[:, 2] for said in alone)
+    np.testing.assert_array_equal(verdicts[vote.delay :, 2], counted >= (votes or 3))
+    np.testing.assert_array_equal(verdicts[vote.delay :, :2], alone[0][:, :2])
+    assert np.isnan(verdicts[: vote.delay, 0]).all()
+    assert not verdicts[: vote.delay, 2].any()
+    assert len({tuple(said[:, 2]) for said in alone}) == 3  # they are not of one mind
+    for chunks in (list(range(1, len(rows))), [1, 3, 200]):
+        np.testing.assert_array_equal(voted(names, votes, rows, chunks)[1], verdicts)
+    vote.reset()
+    said = np.zeros_like(verdicts)
+    vote.take(rows, said)
+    np.testing.assert_array_equal(said, verdicts)
+
+
+def test_more_votes_than_detectors_are_refused():
+    with pytest.raises(SettingsError, match=r'navigator\.votes: 3 of 2'):
+        NavigatorSettings(detector=('shoe', 'magnitude'), votes=3)
+
+
+def test_the_detector_of_the_default_looks_as_far_as_it_may():
+    """Half the window and the shortest rest: 45 ms; with 0 all of it is behind."""
+    for rate, delay in ((1000.0, 45 - 1), (200.0, 5 + 4 - 1), (100.0, 2 + 2 - 1)):
+        assert detector_of(NavigatorSettings(), (), GRAVITY, rate).delay <= delay
+        none = NavigatorSettings(look_ahead=0.0)
+        assert detector_of(none, (), GRAVITY, rate).delay == 0

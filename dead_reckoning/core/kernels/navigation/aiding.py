@@ -9,9 +9,11 @@ from dead_reckoning.core.kernels.navigation.layout import (
     ATTITUDE,
     AXIS_GATE,
     AXLE,
+    BOUND_REFUSED,
     BOUNDED,
     BOUNDED_REFUSED,
     COMPASS,
+    COMPASS_CORRELATION,
     COMPASS_REFUSED,
     COUNTS,
     FORCE_BIAS,
@@ -23,6 +25,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     LEVEL,
     NORTH,
     RATE_BIAS,
+    ROLL_REFUSED,
     ROLLING,
     ROLLING_REFUSED,
     SLIP,
@@ -32,10 +35,13 @@ from dead_reckoning.core.kernels.navigation.layout import (
     X_FORCE_BIAS,
     X_RATE_BIAS,
     X_VELOCITY,
+    YAW_REFUSED,
     Filter,
 )
 from dead_reckoning.core.kernels.navigation.measurement import (
     attitude_of,
+    believed,
+    clear,
     forget,
     inject,
     measure,
@@ -52,7 +58,7 @@ from dead_reckoning.core.rotation import (
     rotate_back,
     yaw_from_quaternion,
 )
-from dead_reckoning.core.samples import Vector
+from dead_reckoning.core.samples import Matrix, Vector
 
 UPRIGHT = 0.1
 """Square of the horizontal part of the body's x axis below which it has no heading."""
@@ -76,12 +82,13 @@ def take_aid(aid: Array, rate: Vector, f: Filter) -> None:
 
 
 def follow_yaw(
-    yaw: float, variance: float, of_measurement: float, age: float, rate: Vector, f: Filter
+    yaw: float, variance: float, interval: float, age: float, rate: Vector, f: Filter
 ) -> None:
     """Take the yaw that a compass showed some time ago.
 
     The yaw of R = exp(θ) R̂, that of its x axis e, changes by θ_z − e_z (e_x θ_x + e_y θ_y)/(e_x² +
-    e_y²).  ``variance`` [rad²] says whether it may be, ``of_measurement`` how much it counts.
+    e_y²).  Its error lasts, so ``variance`` [rad²] says whether it may be, but the more there are
+    in that time, by the ``interval`` [s], the less each counts.
     """
     state, h = f.state, f.h
     attitude = attitude_of(state)
@@ -94,11 +101,13 @@ def follow_yaw(
     wx, wy, wz = rotate(rot_ws, added(rate, triple(state[X_RATE_BIAS : X_RATE_BIAS + 3]), -1.0))
     turned = age * (h[ATTITUDE] * wx + h[ATTITUDE + 1] * wy + wz)
     innovation = _wrapped(yaw + turned - yaw_from_quaternion(attitude))
-    if innovation * innovation > f.rules[AXIS_GATE] * (project(f) + variance):
+    excess = innovation * innovation > f.rules[AXIS_GATE] * (project(f) + variance)
+    lasts = f.rules[COMPASS_CORRELATION]
+    if not believed(f, YAW_REFUSED, excess, interval, lasts):
         state[COUNTS + COMPASS_REFUSED] += 1.0
         h[ATTITUDE] = h[ATTITUDE + 1] = h[ATTITUDE + 2] = 0.0
         return
-    measure(f, innovation, of_measurement)
+    measure(f, innovation, variance * max(1.0, 2.0 * lasts / interval))
     inject(f)
     state[COUNTS + COMPASS] += 1.0
 
@@ -153,7 +162,8 @@ def bound_velocity(dt: float, f: Filter) -> None:
     rules, state = f.rules, f.state
     x, y, z = triple(state[X_VELOCITY : X_VELOCITY + 3])
     variance = rules[HELD_VELOCITY] ** 2
-    if nis(f.p, variance, (x, y, z)) > rules[GATE]:
+    excess = nis(f.p, variance, (x, y, z)) > rules[GATE]
+    if not believed(f, BOUND_REFUSED, excess, dt, rules[HELD_TIME]):
         state[COUNTS + BOUNDED_REFUSED] += 1.0
         return
     for i in range(3):
@@ -168,7 +178,7 @@ def roll_along(dt: float, rate: Vector, f: Filter) -> None:
 
     Of v_b = Rᵀ v + (ω − b_g) × r the errors are R̂ᵀ ξ + [r]× δb_g, whatever the attitude.
     """
-    rules, state, h = f.rules, f.state, f.h
+    rules, state = f.rules, f.state
     rot_ws = matrix_from_quaternion(attitude_of(state))
     w = added(rate, triple(state[X_RATE_BIAS : X_RATE_BIAS + 3]), -1.0)
     r = triple(rules[AXLE : AXLE + 3])
@@ -176,18 +186,25 @@ def roll_along(dt: float, rate: Vector, f: Filter) -> None:
     v = added(rotate_back(rot_ws, velocity), cross(w, r), 1.0)
     askew = rules[SLIP_ANGLE] * v[0]
     variance = rules[SLIP] ** 2 + askew * askew
-    arms = ((r[2], 0.0, -r[0]), (-r[1], r[0], 0.0))
-    for measuring in (False, True):
-        for i in range(2):
-            for j in range(3):
-                h[VELOCITY + j] = rot_ws[3 * j + 1 + i]
-                h[RATE_BIAS + j] = arms[i][j]
-            if measuring:
-                measure(f, -v[1 + i], variance * rules[SLIP_TIME] / dt)
-            elif v[1 + i] * v[1 + i] > rules[AXIS_GATE] * (project(f) + variance):
-                for j in range(3):
-                    h[VELOCITY + j] = h[RATE_BIAS + j] = 0.0
-                state[COUNTS + ROLLING_REFUSED] += 1.0
-                return
+    excess = False
+    for i in range(2):
+        _look_along(1 + i, rot_ws, r, f.h)
+        excess = excess or v[1 + i] * v[1 + i] > rules[AXIS_GATE] * (project(f) + variance)
+    if not believed(f, ROLL_REFUSED, excess, dt, rules[SLIP_TIME]):
+        state[COUNTS + ROLLING_REFUSED] += 1.0
+        clear(f.h)
+        return
+    for i in range(2):
+        _look_along(1 + i, rot_ws, r, f.h)
+        measure(f, -v[1 + i], variance * rules[SLIP_TIME] / dt)
     inject(f)
     state[COUNTS + ROLLING] += 1.0
+
+
+def _look_along(axis: int, rot_ws: Matrix, arm: Vector, h: Array) -> None:
+    """Let the next measurement be the velocity at an arm, along an axis of the body."""
+    x, y, z = arm
+    crossed = (0.0, -z, y, z, 0.0, -x, -y, x, 0.0)
+    for j in range(3):
+        h[VELOCITY + j] = rot_ws[3 * j + axis]
+        h[RATE_BIAS + j] = crossed[3 * axis + j]

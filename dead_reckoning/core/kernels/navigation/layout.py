@@ -22,18 +22,18 @@ AID_ROW = 11
 """
 
 YAW, NORTH, LEVEL = range(3)
-"""Kinds of these, and their values: yaw [rad], its variance, that of a measurement of it, time [s]
-by which it is older than the sample; the first yaw there is, and its variance; mean force and rate
-of a rest (6), their variances."""
+"""Kinds of these, and their values: yaw [rad], its variance, time [s] since the one before and by
+which it is older than the sample; the first yaw there is, and its variance; mean force and rate of
+a rest (6), their variances."""
 
 (
     ACCELERATION_NOISE, SAMPLING_NOISE, RATE_NOISE, RATE_WALK, ACCELERATION_WALK, ZERO_VELOCITY,
     STANCE_VELOCITY, PIVOT, HEIGHT, CORRELATION, GATE, PATIENCE, ZERO_RATE, STILL_WINDOW,
     STILL_DEVIATION, STILL_NOISE, SWAY, FLOOR_DEVIATION, FLOOR_GATE, FLOOR_SLOPE, MAX_GAP,
     GAP_SPEED, GAP_TURN, FORCE_RANGE, RATE_RANGE, AXIS_GATE, GRAVITY_DIRECTION, HELD_VELOCITY,
-    HELD_TIME, NONHOLONOMIC, SLIP, SLIP_ANGLE, SLIP_TIME, AXLE, GRAVITY, STILL_SAMPLES, DELAY,
-    RULES,
-) = (*range(34), 36, 37, 38, 39)  # fmt: skip
+    HELD_TIME, NONHOLONOMIC, SLIP, SLIP_ANGLE, SLIP_TIME, COMPASS_CORRELATION, AVERAGING,
+    AXLE, GRAVITY, STILL_SAMPLES, DELAY, RULES,
+) = (*range(36), 38, 39, 40, 41)  # fmt: skip
 """Elements of the rules: settings of these names (the axle has three), gravity [m/s²], samples of
 the still window, delay of the verdicts; and how many."""
 
@@ -57,8 +57,11 @@ STANCE = FLOOR_KNOWN + 1
 """Whether the body stood, and on a known floor; where its last stance was (2)."""
 REFUSED = STANCE + 2
 RATE_REFUSED = REFUSED + 1
-"""Time [s] of velocities, and of rates, at rest that were refused."""
-HELD = RATE_REFUSED + 1
+YAW_REFUSED = RATE_REFUSED + 1
+BOUND_REFUSED = YAW_REFUSED + 1
+ROLL_REFUSED = BOUND_REFUSED + 1
+"""Time [s] for which velocity and rate of rests were refused; and yaw, bound, wheels."""
+HELD = ROLL_REFUSED + 1
 HOLDS = HELD + 1
 HOLD = HOLDS + 1
 """Time, count and sum (3) of the rates of a rest."""

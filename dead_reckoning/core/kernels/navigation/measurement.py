@@ -100,6 +100,19 @@ def nis(p: Array, variance: float, y: Vector) -> float:
     return float(value / (a * u + b * v + c * w))
 
 
+def believed(f: Filter, refused: int, excess: bool, dt: float, patience: float) -> bool:
+    """Say whether to take what may be in excess of its gate, and keep the time of refusals.
+
+    An error that lasts longer than it may is none, but shows that the filter is wrong.
+    """
+    if not excess:
+        f.state[refused] = 0.0
+    elif f.state[refused] <= patience:
+        f.state[refused] += dt
+        return False
+    return True
+
+
 def forget(f: Filter) -> None:
     """Let go of the errors that ``f.h`` marks, and clear ``f.h``; their variances are 0 then."""
     for a in range(ERRORS):

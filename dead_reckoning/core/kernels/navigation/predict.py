@@ -7,6 +7,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     ACCELERATION_NOISE,
     ACCELERATION_WALK,
     ATTITUDE,
+    AVERAGING,
     COUNTS,
     FORCE,
     FORCE_BEFORE,
@@ -61,8 +62,8 @@ def predict(dt: float, force: Vector, rate: Vector, f: Filter, trace: Array) -> 
     w1, w0 = _unbiased(state, RATE, X_RATE_BIAS), _unbiased(state, RATE_BEFORE, X_RATE_BIAS)
     f2 = added(force, triple(state[X_FORCE_BIAS : X_FORCE_BIAS + 3]), -1.0)
     w2 = added(rate, triple(state[X_RATE_BIAS : X_RATE_BIAS + 3]), -1.0)
-    turn = integral(dt, state[STEP], w2, w1, w0)
-    push = integral(dt, state[STEP], f2, f1, f0)
+    turn = integral(dt, state[STEP], w2, w1, w0, rules[AVERAGING])
+    push = integral(dt, state[STEP], f2, f1, f0, rules[AVERAGING])
     turn, push = increments(dt, turn, push, w1, w2, f1, f2)
     velocity = triple(state[X_VELOCITY : X_VELOCITY + 3])
     way, velocity, attitude, rot_ws = moved(dt, gravity, velocity, attitude_of(state), turn, push)

@@ -52,6 +52,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
 )
 from dead_reckoning.core.kernels.navigation.measurement import (
     attitude_of,
+    believed,
     enter,
     inject,
     measure,
@@ -107,14 +108,13 @@ def zero_velocity(dt: float, rate: Vector, statistic: float, f: Filter) -> bool:
     )
     rolls = rules[PIVOT] * statistic
     variance = (rules[STANCE_VELOCITY] ** 2 + rolls * rolls) * rules[CORRELATION] / dt
-    if nis(f.p, variance, innovation) > rules[GATE] and state[REFUSED] <= rules[PATIENCE]:
-        state[REFUSED] += dt
+    excess = nis(f.p, variance, innovation) > rules[GATE]
+    if not believed(f, REFUSED, excess, dt, rules[PATIENCE]):
         state[COUNTS + ZUPT_REFUSED] += 1.0
         return False
     for i in range(3):
         f.h[VELOCITY + i] = 1.0
         measure(f, innovation[i], variance)
-    state[REFUSED] = 0.0
     state[COUNTS + ZUPT] += 1.0
     return True
 
@@ -139,14 +139,12 @@ def zero_rate(dt: float, f: Filter) -> None:
         state[HOLD + i] += rate[i]
         innovation = _of_rest(i, rate, state)
         square += innovation * innovation / (f.p[RATE_BIAS + i, RATE_BIAS + i] + variance)
-    if square > rules[GATE] and state[RATE_REFUSED] <= rules[PATIENCE]:
-        state[RATE_REFUSED] += dt
+    if not believed(f, RATE_REFUSED, square > rules[GATE], dt, rules[PATIENCE]):
         state[COUNTS + ZARU_REFUSED] += 1.0
         return
     for i in range(3):
         f.h[RATE_BIAS + i] = 1.0
         measure(f, _of_rest(i, rate, state), variance)
-    state[RATE_REFUSED] = 0.0
     state[COUNTS + ZARU] += 1.0
 
 

@@ -31,16 +31,18 @@ def cross(a: Vector, b: Vector) -> Vector:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def integral(dt: float, dt0: float, y2: Vector, y1: Vector, y0: Vector) -> Vector:
-    """Integrate over the last step the parabola through three values, the last one first.
+def integral(
+    dt: float, dt0: float, y2: Vector, y1: Vector, y0: Vector, averaging: float
+) -> Vector:
+    """Integrate over the last step the parabola that shows three values, the last one first.
 
     ``dt`` and ``dt0`` are the steps [s] after and before the middle one, ``y1``; with no or a far
-    shorter one before it is a straight line.
+    shorter one before it is a straight line.  Values are means over ``averaging`` · dt.
     """
     line = added(added((0.0, 0.0, 0.0), y1, 0.5 * dt), y2, 0.5 * dt)
     if dt0 <= UNEVEN * dt:
         return line
-    share = dt * dt * dt / (6.0 * (dt + dt0))
+    share = (1.0 + 0.5 * averaging * averaging) * dt * dt * dt / (6.0 * (dt + dt0))
     bend = added(added(y2, y1, -1.0), added(y1, y0, -1.0), -dt / dt0)
     return added(line, bend, -share / dt)
 
