@@ -83,7 +83,7 @@ def may_import(room: str, top: str, is_package: bool = False) -> bool:
         'core': top in NUMERIC | {'numba'},
         'sources': top in NUMERIC | ONE_MODULE_EACH - {'numba'},
         'configuration': top == 'yaml',
-        'tables': top in NUMERIC,
+        'tables': top in {*NUMERIC, 'orjson'},
         'wire': False,
         'block_wire': top in NUMERIC,
         'topics': False,
