@@ -284,9 +284,7 @@ def start_and_memory(rounds: int, minutes: float) -> list[str]:
         f'   exec to first Odometry: {median:.2f} s ({min(times):.2f} to {max(times):.2f}) warm, '
         f'{cold:.2f} s with nothing compiled by Python'
     )
-    print(
-        f'   resident, compiled code loaded: {statistics.median(m for _, m in warm):.1f} MB, its own'
-    )
+    print(f'   resident, code loaded: {statistics.median(m for _, m in warm):.1f} MB, its own')
     faults = []
     if median > START_TARGET:
         faults.append(f'first Odometry after {median:.2f} s, at most {START_TARGET:g} allowed')

@@ -22,6 +22,10 @@ Kernel = TypeVar('Kernel', bound=Callable[..., Any])
 
 PACKAGE = __name__.partition('.')[0]
 
+INNER = {'error_model': 'numpy', 'forceinline': True}
+"""How functions that kernels call are compiled; else each array of each call has its references
+counted, which takes a third of the time."""
+
 SLOW = (
     'numba is not there, so this takes many times as long: pip install numba (or '
     'apt install python3-numba)'
@@ -119,4 +123,4 @@ def _closed(function: Any) -> tuple[Any, str]:
 @cache
 def _callee(function: Any) -> tuple[Any, str]:
     clone, meaning = _closed(function)
-    return _numba().njit(clone, error_model='numpy'), meaning
+    return _numba().njit(clone, **INNER), f'{INNER}\n{meaning}'
