@@ -5,8 +5,8 @@ it calls are compiled with its first call, so the equations that streaming estim
 compiled as they are.  Compiled code is kept from run to run, beside the source or, where that can
 not be written, where ``NUMBA_CACHE_DIR`` says or in the user's own cache.
 
-Without numba, or with ``NUMBA_DISABLE_JIT=1``, `accelerated` is false, and whole recordings go
-through the streaming estimators.
+Without numba, or with ``NUMBA_DISABLE_JIT=1``, `accelerated` is false, and whole recordings and
+messages go through the streaming estimators.
 """
 
 from __future__ import annotations
