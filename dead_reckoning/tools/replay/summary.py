@@ -54,8 +54,9 @@ class Summary:
         self._path = 0.0
         self._last: StateBlock | None = None
         self._walks: list[Strides] = []
-        """Strides from each start on, where a navigator finds them."""
-        self._strides = pipeline.navigator is not None
+        """Strides from each start on, where a navigator goes by stances."""
+        navigator = pipeline.navigator
+        self._strides = navigator is not None and navigator.settings.zero_velocity
 
     def takers(self) -> Mapping[str, Callable[[Any], object]]:
         """Return what it takes, by name."""
@@ -94,7 +95,7 @@ class Summary:
         }
 
     def way(self) -> dict[str, Any]:
-        """Return strides and path length [m] from stance to stance; empty without a navigator."""
+        """Return strides and path length [m] from stance to stance; empty without those."""
         if not self._strides:
             return {}
         return {
