@@ -296,12 +296,20 @@ class InertialNavigator:
         self._detector.take(samples, verdicts)
         aids = NO_AIDS
         if self._aids.waiting:
-            waiting = len(self._waiting)
-            unfiltered = np.concatenate((np.array(self._waiting, np.int64), stamps))
-            aids = self._aids.due(unfiltered, self._detector.delay - waiting, len(samples))
+            aids = self._due(stamps, len(samples))
         if self.record is not None:
             self.record(samples, verdicts, aids, stamps, self._rules, self._state)
         return navigate(samples, verdicts, aids, self._rules, self._state, out, NO_TRACE, NO_LOG)
+
+    def _due(self, stamps: Stamps, rows: int) -> Array:
+        """Return what else is known of the samples that so many rows filter."""
+        waiting = len(self._waiting)
+        first = self._detector.delay - waiting  # row that filters the first which waits
+        last = rows - 1 - first
+        if last < waiting and (last < 0 or self._waiting[last] < self._aids.first_ns):
+            return NO_AIDS
+        unfiltered = np.concatenate((np.array(self._waiting, np.int64), stamps))
+        return self._aids.due(unfiltered, first, rows)
 
     def _note(self, values: list[float]) -> None:
         self.statistic, self.threshold = values[49], values[50]

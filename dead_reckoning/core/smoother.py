@@ -13,7 +13,7 @@ from dead_reckoning.core.kernels.navigation.smoother import smooth
 from dead_reckoning.core.navigation.aids import NO_AIDS
 from dead_reckoning.core.navigator import STRETCH, InertialNavigator, state_block
 
-LARGEST_LOG = 12
+LARGEST_LOG = 16
 """Updates of one sample at most."""
 
 
