@@ -138,6 +138,13 @@ class InertialNavigator:
         """How often the filter did what; all zero before it is aligned."""
         return counts_of(self._state)
 
+    @property
+    def biases(self) -> tuple[list[float], list[float]]:
+        """Biases of gyro [rad/s] and accelerometer [m/s²], in their axes; empty if not aligned."""
+        of_rate, of_force = layout.X_RATE_BIAS, layout.X_FORCE_BIAS
+        state = self._state.tolist() if self.aligned else []
+        return state[of_rate : of_rate + 3], state[of_force : of_force + 3]
+
     def configure(self, settings: NavigatorSettings) -> None:
         """Take over what may change, all at once, between two samples."""
         mutable = {p.key: getattr(settings, p.name) for p in settings.parameters() if p.mutable}
