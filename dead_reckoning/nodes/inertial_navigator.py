@@ -65,8 +65,11 @@ def serve(node: ChainNode, navigator: InertialNavigator) -> None:
 
 def figures(navigator: InertialNavigator) -> dict[str, object]:
     """Return what /diagnostics shows of an inertial navigator."""
+    of_rate, of_force = navigator.biases
     return {
         'aligned': navigator.aligned or 'not yet',
+        'gyro_bias': ', '.join(f'{bias:.5f}' for bias in of_rate),
+        'accelerometer_bias': ', '.join(f'{bias:.3f}' for bias in of_force),
         'stationary': 'yes' if navigator.stationary else 'no',
         'statistic': f'{navigator.statistic:.4g}',
         'threshold': f'{navigator.threshold:.4g}',

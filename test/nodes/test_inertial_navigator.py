@@ -153,6 +153,8 @@ def test_reset_begins_at_the_origin(ros, executor):
     shown = figures(aligned)
     assert shown['strides'] == '0'
     assert {'statistic', 'threshold', 'zero_velocity', 'floor', 'gap'} <= shown.keys()
+    assert float(shown['gyro_bias'].split(', ')[2]) == 0.0
+    assert shown['accelerometer_bias'].count(',') == 2
     for _ in range(200):
         feed.send((0.0, 0.0, GRAVITY), (0.0, 0.0, 1.0))
     feed.send_until(lambda: abs(odom.messages[-1].pose.pose.orientation.z) > 0.3, 'a turn')

@@ -17,7 +17,7 @@ HAS_TF = find_spec('tf2_ros') is not None
 
 
 @pytest.mark.skipif(HAS_TF, reason='tf2_ros is installed here')
-@pytest.mark.parametrize('name', ['integrator', 'pipeline'])
+@pytest.mark.parametrize('name', ['integrator', 'inertial_navigator', 'pipeline'])
 def test_a_transform_without_tf2_ros_is_refused_with_the_remedy(domain_id, tmp_path, name):
     node = NodeProcess(name, domain_id, tmp_path / 'node', {'frames.publish_tf': True})
     assert node.wait() == 2
@@ -69,7 +69,9 @@ def test_the_transform_is_what_the_odometry_says(ros):
 
 
 @pytest.mark.skipif(HAS_TF, reason='tf2_ros is installed here')
-@pytest.mark.parametrize('name', ['gravity_removal', 'integrator', 'pedometer', 'pipeline'])
+@pytest.mark.parametrize(
+    'name', ['gravity_removal', 'inertial_navigator', 'integrator', 'pedometer', 'pipeline']
+)
 def test_a_mounting_from_tf_without_tf2_ros_is_refused_with_the_remedy(domain_id, tmp_path, name):
     node = NodeProcess(name, domain_id, tmp_path / 'node', {'frames.mounting': 'tf'})
     assert node.wait() == 2

@@ -12,12 +12,11 @@ import numpy as np
 from dead_reckoning.core.blocks import ImuBlock, Stamped, Stamps, StateBlock
 from dead_reckoning.core.chain import FAULT
 from dead_reckoning.core.errors import DeadReckoningError, ReadingError, SampleError, WireError
-from dead_reckoning.core.navigator import count_strides
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import DISTANCE, ODOMETRY, STEP_ODOMETRY, STEPS
 from dead_reckoning.core.stamps import RESTART_NS
-from dead_reckoning.core.strides import Strides
+from dead_reckoning.core.strides import Strides, count_strides
 
 
 @dataclass
@@ -54,8 +53,9 @@ class Summary:
         self._path = 0.0
         self._last: StateBlock | None = None
         self._walks: list[Strides] = []
-        """Strides from each start on, where a navigator finds them."""
-        self._strides = pipeline.navigator is not None
+        """Strides from each start on, where a navigator goes by stances."""
+        navigator = pipeline.navigator
+        self._strides = navigator is not None and navigator.settings.zero_velocity
 
     def takers(self) -> Mapping[str, Callable[[Any], object]]:
         """Return what it takes, by name."""
@@ -94,7 +94,7 @@ class Summary:
         }
 
     def way(self) -> dict[str, Any]:
-        """Return strides and path length [m] from stance to stance; empty without a navigator."""
+        """Return strides and path length [m] from stance to stance; empty without those."""
         if not self._strides:
             return {}
         return {

@@ -165,3 +165,13 @@ def test_a_compass_gives_the_yaw_as_it_does_live(tmp_path, foot):
     states = [state for name, state in [*outputs, *chain.end()] if name == ODOMETRY]
     check(tmp_path / 'out/odometry.csv', StateBlock.of(states))
     assert yaw_from_quaternion(states[0].attitude) == pytest.approx(np.pi / 2 - 1.0, abs=0.01)
+
+
+def test_a_held_body_has_no_strides(tmp_path, foot):
+    path = write_bag(tmp_path / 'walk', flow(samples(foot)))
+    values = {'navigator.zero_velocity': False, 'navigator.gravity_direction': True}
+    result = run(job(path, tmp_path / 'out', ('summary', 'odometry'), **values))
+    way = table(tmp_path / 'out/odometry.csv')
+    moved = np.linalg.norm(np.diff([way[k] for k in ('px', 'py', 'pz')]), axis=0).sum()
+    assert result.figures['strides'] is None
+    assert result.figures['path_length_m'] == pytest.approx(moved)
