@@ -31,6 +31,7 @@ WITHOUT_UNIT = {
     'driver.walk.asymmetry',
     'gravity.rate_scale_deviation',
     'integrator.scale_deviation',
+    'navigator.averaging',
     'navigator.axis_gate',
     'navigator.exponent',
     'navigator.floor_slope',

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
-from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -32,22 +30,19 @@ from dead_reckoning.core.navigation.alignment import (
     Alignment,
     Rest,
     first_state,
+    level_at,
     rules_of,
-    said,
 )
 from dead_reckoning.core.navigation.detection import detector_of
 from dead_reckoning.core.navigation.settings import NavigatorSettings
+from dead_reckoning.core.navigation.states import counts_of, state_block, state_of
 from dead_reckoning.core.parameters import Settings
-from dead_reckoning.core.rest import check_gravity, level_variances
+from dead_reckoning.core.rest import check_gravity
 from dead_reckoning.core.rest_search import RestSearch, Stillness
 from dead_reckoning.core.samples import NANOSECONDS, UNKNOWN, ImuSample, NavigationState
 from dead_reckoning.core.stamps import Timeline
-from dead_reckoning.core.stationarity import STATIONARY
-from dead_reckoning.core.strides import Strides
+from dead_reckoning.core.strides import Strides, count_strides
 from dead_reckoning.core.work import Work
-
-LEVEL_FLOOR = 1e-3
-"""One sigma of the force at a rest that nothing shows better [m/s²]."""
 
 NO_STAMPS = np.empty(0, np.int64)
 NO_TRACE = np.empty((0, layout.TRACE_ROW))
@@ -59,24 +54,6 @@ STRETCH = 1000
 Recorder = Callable[[Array, Array, Array, Stamps, Array, Array], None]
 """Takes samples, verdicts, aids, stamps, rules, and the state before them: what the smoother
 needs."""
-
-COUNTED = {
-    'zero_velocity': layout.ZUPT,
-    'zero_velocity_refused': layout.ZUPT_REFUSED,
-    'zero_rate': layout.ZARU,
-    'zero_rate_refused': layout.ZARU_REFUSED,
-    'floor': layout.ON_FLOOR,
-    'new_floor': layout.NEW_FLOOR,
-    'compass': layout.COMPASS,
-    'compass_refused': layout.COMPASS_REFUSED,
-    'gravity_direction': layout.BOUNDED,
-    'gravity_direction_refused': layout.BOUNDED_REFUSED,
-    'nonholonomic': layout.ROLLING,
-    'nonholonomic_refused': layout.ROLLING_REFUSED,
-    'gap': layout.GAP,
-    'saturated': layout.SATURATED,
-}
-"""What the filter counts, by name."""
 
 
 class InertialNavigator:
@@ -159,11 +136,7 @@ class InertialNavigator:
     @property
     def counts(self) -> dict[str, int]:
         """How often the filter did what; all zero before it is aligned."""
-        first = layout.COUNTS
-        return {
-            name: int(self._state[first + index]) if self.aligned else 0
-            for name, index in COUNTED.items()
-        }
+        return counts_of(self._state)
 
     def configure(self, settings: NavigatorSettings) -> None:
         """Take over what may change, all at once, between two samples."""
@@ -296,12 +269,20 @@ class InertialNavigator:
         self._detector.take(samples, verdicts)
         aids = NO_AIDS
         if self._aids.waiting:
-            waiting = len(self._waiting)
-            unfiltered = np.concatenate((np.array(self._waiting, np.int64), stamps))
-            aids = self._aids.due(unfiltered, self._detector.delay - waiting, len(samples))
+            aids = self._due(stamps, len(samples))
         if self.record is not None:
             self.record(samples, verdicts, aids, stamps, self._rules, self._state)
         return navigate(samples, verdicts, aids, self._rules, self._state, out, NO_TRACE, NO_LOG)
+
+    def _due(self, stamps: Stamps, rows: int) -> Array:
+        """Return what else is known of the samples that so many rows filter."""
+        waiting = len(self._waiting)
+        first = self._detector.delay - waiting  # row that filters the first which waits
+        last = rows - 1 - first
+        if last < waiting and (last < 0 or self._waiting[last] < self._aids.first_ns):
+            return NO_AIDS
+        unfiltered = np.concatenate((np.array(self._waiting, np.int64), stamps))
+        return self._aids.due(unfiltered, first, rows)
 
     def _note(self, values: list[float]) -> None:
         self.statistic, self.threshold = values[49], values[50]
@@ -309,22 +290,9 @@ class InertialNavigator:
 
     def _state_of(self, values: list[float]) -> NavigationState:
         self._note(values)
-        px, py, pz, vx, vy, vz, qx, qy, qz, qw, *rest = values
-        position = (px, py, pz)
-        self.strides.update(self.stationary, position)
-        fields: Any = rest
-        return NavigationState(
-            self._waiting.popleft(),
-            position,
-            (vx, vy, vz),
-            (qx, qy, qz, qw),
-            tuple(fields[0:9]),
-            tuple(fields[9:18]),
-            tuple(fields[18:27]),
-            tuple(fields[27:30]),
-            tuple(fields[30:39]),
-            self.stationary,
-        )
+        state = state_of(self._waiting.popleft(), values)
+        self.strides.update(state.stationary, state.position)
+        return state
 
     def _variance(self, imu: ImuSample) -> float:
         covariance = imu.angular_velocity_covariance
@@ -395,35 +363,9 @@ class InertialNavigator:
 
     def _level_at(self, still: Stillness, stamp_ns: int) -> None:
         """Let the filter level at a rest, in which the samples that wait are."""
-        assert still.rate is not None
         begin = layout.X_FORCE_BIAS
-        bias = self._state[begin : begin + 3].tolist()
-        x, y, z = (f - b for f, b in zip(still.force.mean, bias, strict=True))
-        gravity = float(np.linalg.norm((x, y, z)))
-        duration = self.settings.rest_duration
-        of_force = gravity**2 * level_variances(still.force)[1] + LEVEL_FLOOR**2
-        of_rate = 2.0 * (self.settings.sway / duration) ** 2
-        of_rate += self.settings.rate_noise**2 / duration
-        values = (*still.force.mean, *still.rate.mean, of_force, of_rate)
+        x, y, z = self._state[begin : begin + 3].tolist()
+        gravity, values, self.aligned = level_at(still, (x, y, z), self.settings)
         first_ns = self._waiting[0] if self._waiting else stamp_ns
         self._aids.add(first_ns, layout.LEVEL, values)
         self._rules = self._rules_with(gravity)
-        turns = ', '.join(f'{np.degrees(b):.3f}' for b in still.rate.mean)
-        self.aligned = f'{said(gravity, (x, y, z))}, gyro bias {turns} °/s'
-
-
-def state_block(stamps: Stamps, rows: Array) -> StateBlock:
-    """Return rows of the kernel, shape (n, STATE_ROW), as a block."""
-    ends = (0, 3, 6, 10, 19, 28, 37, 40, 49)
-    columns: list[Any] = [rows[:, a:b] for a, b in pairwise(ends)]
-    columns.append(rows[:, 49 + STATIONARY] > 0.0)
-    return StateBlock(stamps, *columns)
-
-
-def count_strides(strides: Strides, block: StateBlock) -> None:
-    """Count the strides of a block; what is between two changes does not matter."""
-    changes = np.flatnonzero(np.diff(block.stationary))
-    matter = {0, len(block) - 1, *changes.tolist(), *(changes + 1).tolist()}
-    for i in sorted(matter):
-        x, y, z = block.position[i].tolist()
-        strides.update(bool(block.stationary[i]), (x, y, z))

@@ -11,9 +11,10 @@ from dead_reckoning.core.kernels.navigation import layout
 from dead_reckoning.core.kernels.navigation.filter import navigate
 from dead_reckoning.core.kernels.navigation.smoother import smooth
 from dead_reckoning.core.navigation.aids import NO_AIDS
-from dead_reckoning.core.navigator import STRETCH, InertialNavigator, state_block
+from dead_reckoning.core.navigation.states import state_block
+from dead_reckoning.core.navigator import STRETCH, InertialNavigator
 
-LARGEST_LOG = 12
+LARGEST_LOG = 16
 """Updates of one sample at most."""
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from math import dist
 
+import numpy as np
+
+from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.samples import Vector
 
 SHORTEST = 0.15
@@ -43,3 +46,12 @@ class Strides:
         elif self._last is not None:
             self._length = self.path_length
             self._left, self._last = self._last, None
+
+
+def count_strides(strides: Strides, block: StateBlock) -> None:
+    """Count the strides of a block; what is between two changes does not matter."""
+    changes = np.flatnonzero(np.diff(block.stationary))
+    matter = {0, len(block) - 1, *changes.tolist(), *(changes + 1).tolist()}
+    for i in sorted(matter):
+        x, y, z = block.position[i].tolist()
+        strides.update(bool(block.stationary[i]), (x, y, z))

@@ -71,6 +71,12 @@ CASES = {
         ('pedometer/cadence', Float64, LATCHED),  # may have come before the recording
         {**ONCE, 'GapError': 1},
     ),
+    'inertial navigator': Case(
+        'inertial_navigator',
+        ('imu/data_raw',),
+        ('odom', Odometry),
+        {**ONCE, 'GapError': 1},
+    ),
     'compass': Case(
         'compass_driver',
         ('ground_truth/odom',),

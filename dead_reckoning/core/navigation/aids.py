@@ -27,6 +27,11 @@ class Aids:
         self.waiting: deque[tuple[int, int, Sequence[float]]] = deque(maxlen=LONGEST)
         """Stamp [ns], kind and values of each."""
 
+    @property
+    def first_ns(self) -> int:
+        """The least stamp of those that wait, at least one [ns]."""
+        return min(stamp_ns for stamp_ns, _, _ in self.waiting)
+
     def clear(self) -> None:
         """Drop those that wait."""
         self.waiting.clear()

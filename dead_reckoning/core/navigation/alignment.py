@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import degrees, hypot
 
 import numpy as np
 
@@ -20,6 +21,9 @@ KNOWN = 1e-10
 
 AT_REST = 1e-4
 """Variance of the velocity at the start [m²/s²]."""
+
+LEVEL_FLOOR = 1e-3
+"""One sigma of the force at a rest that nothing shows better [m/s²]."""
 
 RULES = (
     'acceleration_noise', 'sampling_noise', 'rate_noise', 'rate_walk', 'acceleration_walk',
@@ -106,13 +110,27 @@ def first_state(
     return state, said(rest.gravity, rest.still.force.mean)
 
 
+def level_at(
+    still: Stillness, force_bias: Vector, settings: NavigatorSettings
+) -> tuple[float, tuple[float, ...], str]:
+    """Return gravity [m/s²], the values of a `LEVEL`, and what a rest on the way shows in words.
+
+    ``force_bias``, shape (3,) [m/s²], is what the filter holds for that of the accelerometer.
+    """
+    assert still.rate is not None
+    x, y, z = (f - b for f, b in zip(still.force.mean, force_bias, strict=True))
+    gravity, duration = hypot(x, y, z), settings.rest_duration
+    of_force = gravity**2 * level_variances(still.force)[1] + LEVEL_FLOOR**2
+    of_rate = 2.0 * (settings.sway / duration) ** 2 + settings.rate_noise**2 / duration
+    turns = ', '.join(f'{degrees(b):.3f}' for b in still.rate.mean)
+    values = (*still.force.mean, *still.rate.mean, of_force, of_rate)
+    return gravity, values, f'{said(gravity, (x, y, z))}, gyro bias {turns} °/s'
+
+
 def said(gravity: float, force: Vector) -> str:
     """Say in words what a rest showed; ``force`` shape (3,) [m/s²], frame of the sensor."""
     roll, pitch = euler_from_gravity(force)
-    return (
-        f'gravity is {gravity:.4f} m/s², roll {np.degrees(roll):.3f}°, '
-        f'pitch {np.degrees(pitch):.3f}°'
-    )
+    return f'gravity is {gravity:.4f} m/s², roll {degrees(roll):.3f}°, pitch {degrees(pitch):.3f}°'
 
 
 def rules_of(settings: NavigatorSettings, gap_turn: float, rate: float, delay: int) -> Array:

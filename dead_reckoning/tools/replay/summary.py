@@ -12,12 +12,11 @@ import numpy as np
 from dead_reckoning.core.blocks import ImuBlock, Stamped, Stamps, StateBlock
 from dead_reckoning.core.chain import FAULT
 from dead_reckoning.core.errors import DeadReckoningError, ReadingError, SampleError, WireError
-from dead_reckoning.core.navigator import count_strides
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import DISTANCE, ODOMETRY, STEP_ODOMETRY, STEPS
 from dead_reckoning.core.stamps import RESTART_NS
-from dead_reckoning.core.strides import Strides
+from dead_reckoning.core.strides import Strides, count_strides
 
 
 @dataclass

@@ -382,6 +382,28 @@ def test_another_rate_gives_nearly_the_same(rate):
     np.testing.assert_allclose(ends[1], ends[3], rtol=0.15)
 
 
+def averaged(walk, count):
+    """Return a walk of which so many samples each were averaged."""
+    n = len(walk.time) // count * count
+    columns = [
+        column[:n].reshape(-1, count, *column.shape[1:]).mean(axis=1)
+        for column in (walk.time, walk.force, walk.rate, walk.position, walk.velocity)
+    ]
+    return Walk(*columns, walk.rotation[count // 2 : n : count])
+
+
+def test_means_at_a_low_rate_lose_little():
+    """A walk measured at 400 Hz and averaged to 50 ends nearly where it does at full rate."""
+    full, far = walk(400.0, strides=20, turn=0.1), []
+    _, states = navigated(full)
+    for averaging in (1.0, 0.0):
+        _, others = navigated(averaged(full, 8), averaging=averaging)
+        far.append(np.linalg.norm(others.position[-1, :2] - states.position[-1, :2]))
+    length = np.linalg.norm(np.diff(full.position, axis=0), axis=1).sum()
+    assert far[0] < 0.002 * length
+    assert far[0] < 0.5 * far[1]
+
+
 def test_covariance_stays_one_for_ten_hours():
     true = walk(100.0, strides=40, turn=np.pi / 20.0)
     random = np.random.default_rng(8)

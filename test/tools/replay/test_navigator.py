@@ -10,9 +10,12 @@ from simulated_walks import measured, navigator, streamed, walk
 
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.blocks import StateBlock
+from dead_reckoning.core.compass import Compass, CompassSettings
 from dead_reckoning.core.errors import InputError
+from dead_reckoning.core.pipeline import Pipeline
+from dead_reckoning.core.rotation import yaw_from_quaternion
 from dead_reckoning.core.smoother import Smoother
-from dead_reckoning.core.stages import RAW
+from dead_reckoning.core.stages import COMPASS, ODOMETRY, RAW
 from dead_reckoning.tables import ODOMETRY_COLUMNS, odometry_row
 from dead_reckoning.tools.replay.run import Job, run
 
@@ -147,3 +150,18 @@ def test_without_a_gyro_it_is_said_and_all_are_dropped(tmp_path, foot):
     assert result.figures['strides'] == 0
     assert result.figures['path_length_m'] is result.figures['end_position_m'] is None
     assert (tmp_path / 'out/smoothed.csv').read_text().count('\n') == 1
+
+
+def test_a_compass_gives_the_yaw_as_it_does_live(tmp_path, foot):
+    compass = Compass(CompassSettings(), 'compass_link')
+    mixed = []
+    for number, sample in enumerate(samples(foot)):
+        mixed.append((RAW, sample))
+        if number % 10 == 0:
+            mixed.append((COMPASS, compass.sample(sample.stamp_ns + 1, 1.0 + 1e-5 * number)))
+    run(job(write_bag(tmp_path / 'walk', mixed), tmp_path / 'out', ('odometry',)))
+    chain = Pipeline(Configuration(NAVIGATOR)).chain
+    outputs = [output for name, sample in mixed for output in chain.push(name, sample)]
+    states = [state for name, state in [*outputs, *chain.end()] if name == ODOMETRY]
+    check(tmp_path / 'out/odometry.csv', StateBlock.of(states))
+    assert yaw_from_quaternion(states[0].attitude) == pytest.approx(np.pi / 2 - 1.0, abs=0.01)
