@@ -5,6 +5,7 @@ from contextlib import suppress
 import numpy as np
 
 from benchmarks.accuracy.simulated_walks import (
+    GRAVITY,
     MOUNTED,
     START_NS,
     UP,
@@ -25,8 +26,8 @@ from dead_reckoning.core.navigator import InertialNavigator
 from dead_reckoning.core.smoother import LARGEST_LOG
 
 __all__ = [
-    'MOUNTED', 'START_NS', 'UP', 'Walk', 'blocks_of', 'filtered', 'joined', 'measured',
-    'navigator', 'streamed', 'walk',
+    'GRAVITY', 'MOUNTED', 'START_NS', 'UP', 'Walk', 'blocks_of', 'filtered', 'joined',
+    'measured', 'navigator', 'streamed', 'walk',
 ]  # fmt: skip
 
 

@@ -68,7 +68,7 @@ def gait_as_assumed() -> Case:
     believed = {
         'acceleration_noise': sensor['force_noise'], 'rate_noise': sensor['rate_noise'],
         'acceleration_bias': sensor['force_bias'], 'rate_bias': sensor['rate_bias'],
-        'sampling_noise': 0.0, 'acceleration_walk': 0.0, 'rate_walk': 0.0,
+        'averaging': 0.0, 'sampling_noise': 0.0, 'acceleration_walk': 0.0, 'rate_walk': 0.0,
         'rest_deviation': 1.0, 'rest_rate_deviation': 0.05, 'stance_velocity': 1e-5,
         'pivot': 0.0, 'height': 0.0, 'zero_rate': False, 'floor': False,
         'detector': ['angular_rate'], 'angular_rate.least': 0.03, 'exponent': 0.1,

@@ -15,7 +15,8 @@ from dead_reckoning.sources import motions
 Array = NDArray[np.float64]
 
 START_NS = 1_700_000_000_000_000_000
-UP = np.array([0.0, 0.0, 9.81])
+GRAVITY = 9.81
+UP = np.array([0.0, 0.0, GRAVITY])
 """Specific force at rest [m/s²]."""
 
 MOUNTED = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
