@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +42,7 @@ class Case:
 
     name: str
     true: Walk
-    sensor: Mapping[str, float]
+    sensor: Mapping[str, Any]
     values: Values
     times: tuple[float, ...]
     assumed: bool = True
@@ -56,25 +57,33 @@ SWINGS = tuple(4.46 + 2.2 * k for k in range(5))
 """Middle of the swing of each second stride of `gait` [s]."""
 
 
-def gait_as_assumed() -> Case:
+def gait_as_assumed(bias_up: float = 0.0) -> Case:
     """Return a foot that stands still in its stances, and a sensor of the noise assumed.
 
-    Where the foot stands, its rate is but the bias; so that is the threshold of the detector.
+    Where the foot stands, its rate is but the bias; so that is the threshold of the detector.  A
+    bias along the vertical, ``bias_up`` [m/s²], the filter takes for gravity.
     """
     sensor = {
-        'force_noise': 0.03, 'rate_noise': 3e-4, 'force_bias': 0.05, 'rate_bias': 0.0035,
-        'scale': 0.0,
+        'force_noise': 0.03, 'rate_noise': 3e-4, 'force_bias': (0.05, 0.05, bias_up),
+        'rate_bias': 0.0035, 'scale': 0.0,
     }  # fmt: skip
     believed = {
         'acceleration_noise': sensor['force_noise'], 'rate_noise': sensor['rate_noise'],
-        'acceleration_bias': sensor['force_bias'], 'rate_bias': sensor['rate_bias'],
+        'acceleration_bias': 0.05, 'rate_bias': sensor['rate_bias'],
         'averaging': 0.0, 'sampling_noise': 0.0, 'acceleration_walk': 0.0, 'rate_walk': 0.0,
         'rest_deviation': 1.0, 'rest_rate_deviation': 0.05, 'stance_velocity': 1e-5,
         'pivot': 0.0, 'height': 0.0, 'zero_rate': False, 'floor': False,
         'detector': ['angular_rate'], 'angular_rate.least': 0.03, 'exponent': 0.1,
     }  # fmt: skip
     values = {**FOOT, **{f'navigator.{name}': value for name, value in believed.items()}}
+    if bias_up:
+        return Case('gait, a bias in gravity too', gait(), sensor, values, SWINGS, assumed=False)
     return Case('gait, filter told the truth', gait(), sensor, values, SWINGS)
+
+
+def gait_with_bias_in_gravity() -> Case:
+    """Return the same, but for a bias along the vertical."""
+    return gait_as_assumed(bias_up=0.05)
 
 
 def gait_by_default() -> Case:
@@ -82,7 +91,11 @@ def gait_by_default() -> Case:
     return Case('gait, settings of all feet', gait(), {}, FOOT, SWINGS, assumed=False)
 
 
-CASES: tuple[Callable[[], Case], ...] = (gait_as_assumed, gait_by_default)
+CASES: tuple[Callable[[], Case], ...] = (
+    gait_as_assumed,
+    gait_with_bias_in_gravity,
+    gait_by_default,
+)
 """A vehicle belongs here too."""
 
 
