@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -87,13 +88,13 @@ def measured(
     seed: int,
     force_noise: float = 0.01,
     rate_noise: float = 3e-4,
-    force_bias: float = 0.1,
+    force_bias: float | Sequence[float] = 0.1,
     rate_bias: float = 0.0035,
     scale: float = 0.003,
 ) -> Walk:
     """Return a walk as a sensor with noise densities, biases and errors of scale measures it.
 
-    All are one sigma: [m/s²/√Hz], [rad/s/√Hz], [m/s²], [rad/s], of 1.
+    All are one sigma: [m/s²/√Hz], [rad/s/√Hz], [m/s²] of all axes or each, [rad/s], of 1.
     """
     random = np.random.default_rng(seed)
     density = np.sqrt(len(walk.time) / walk.time[-1])

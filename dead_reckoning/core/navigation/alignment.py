@@ -13,7 +13,11 @@ from dead_reckoning.core.kernels.navigation import layout
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.rest import check_gravity, level_variances
 from dead_reckoning.core.rest_search import RestSearch, Stillness
-from dead_reckoning.core.rotation import euler_from_gravity, quaternion_from_euler
+from dead_reckoning.core.rotation import (
+    euler_from_gravity,
+    matrix_from_quaternion,
+    quaternion_from_euler,
+)
 from dead_reckoning.core.samples import NANOSECONDS, ImuSample, Vector
 
 KNOWN = 1e-10
@@ -21,6 +25,12 @@ KNOWN = 1e-10
 
 AT_REST = 1e-4
 """Variance of the velocity at the start [m²/s²]."""
+
+WEAKER = 10.0
+"""So many times the variance of a rest's mean is that of the tilt at the start.
+
+The samples of that rest go through the filter, and so must not count twice.
+"""
 
 LEVEL_FLOOR = 1e-3
 """One sigma of the force at a rest that nothing shows better [m/s²]."""
@@ -93,19 +103,23 @@ def first_state(
     """Return the state that the filter begins with, and what it is in words."""
     state = np.zeros(layout.RINGS + rings)
     roll, pitch = euler_from_gravity(rest.still.force.mean)
-    begin = layout.X_ATTITUDE
-    state[begin : begin + 4] = quaternion_from_euler(roll, pitch, yaw)
+    attitude = quaternion_from_euler(roll, pitch, yaw)
+    state[layout.X_ATTITUDE : layout.X_ATTITUDE + 4] = attitude
     state[layout.NOISE] = -1.0  # no rest yet
     variances = np.full(layout.ERRORS, KNOWN)
     variances[layout.VELOCITY : layout.VELOCITY + 3] = AT_REST
-    # At rest a bias of the accelerometer shows as a tilt, so the prior of both is the same.
-    tilt = (settings.acceleration_bias / rest.gravity) ** 2
-    tilt += level_variances(rest.still.force)[1]
-    variances[layout.ATTITUDE : layout.ATTITUDE + 2] = tilt
+    noise = settings.acceleration_noise**2 / settings.rest_duration
+    variances[layout.ATTITUDE : layout.ATTITUDE + 2] = WEAKER * noise / rest.gravity**2
     variances[layout.ATTITUDE + 2] = yaw_variance
     variances[layout.RATE_BIAS : layout.RATE_BIAS + 3] = settings.rate_bias**2
     variances[layout.FORCE_BIAS : layout.FORCE_BIAS + 3] = settings.acceleration_bias**2
-    covariance = np.diag(variances).ravel()
+    # What the accelerometer is biased by is a tilt: θ_x = −(R b_a)_y/g, θ_y = (R b_a)_x/g.
+    rot_ws = np.reshape(matrix_from_quaternion(attitude), (3, 3))
+    with_bias = np.eye(layout.ERRORS)
+    columns = slice(layout.FORCE_BIAS, layout.FORCE_BIAS + 3)
+    with_bias[layout.ATTITUDE, columns] = -rot_ws[1] / rest.gravity
+    with_bias[layout.ATTITUDE + 1, columns] = rot_ws[0] / rest.gravity
+    covariance = (with_bias * variances @ with_bias.T).ravel()
     state[layout.COVARIANCE : layout.COVARIANCE + len(covariance)] = covariance
     return state, said(rest.gravity, rest.still.force.mean)
 

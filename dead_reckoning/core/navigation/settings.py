@@ -113,8 +113,8 @@ class NavigatorSettings(Settings, prefix='navigator'):
     )
     acceleration_bias: float = parameter(
         0.5,
-        'One sigma of the bias of the accelerometer; at rest it can not be told from a tilt, so '
-        'it is that of the tilt too. 0 leaves the bias out, and the tilt is held for known',
+        'One sigma of the bias of the accelerometer, which at rest can not be told from a tilt; 0 '
+        'leaves the bias out',
         unit='m/s²',
         minimum=0.0,
         maximum=10.0,

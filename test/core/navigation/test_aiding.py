@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from simulated_drives import driven, navigated_drive
+from simulated_drives import driven, length, navigated_drive, way
 from simulated_walks import (
     START_NS,
     blocks_of,
@@ -331,11 +331,11 @@ def test_wheels_keep_a_vehicle_on_its_way():
     for wheels in (False, True):
         for seed in range(3):
             found, states = navigated_drive(true, seed, nonholonomic=wheels)
-            error = states.position - true.way(states)
+            error = states.position - way(true, states)
             farthest.setdefault(wheels, []).append(np.linalg.norm(error, axis=1).max())
     spread = np.sqrt(states.position_covariance[:, ::4].sum(axis=1))
     assert np.mean(farthest[True]) < 0.6 * np.mean(farthest[False])
-    assert max(farthest[True]) < 0.04 * true.length
+    assert max(farthest[True]) < 0.04 * length(true)
     assert np.sqrt(np.mean((np.linalg.norm(error, axis=1) / spread)[1000:] ** 2)) < 3.0
     assert found.counts['nonholonomic'] > 20 * found.counts['nonholonomic_refused']
 
@@ -346,5 +346,5 @@ def test_a_sensor_off_the_axle_is_told_so():
     ends = []
     for axle in ((0.0, 0.0, 0.0), tuple(-a for a in arm)):
         _, states = navigated_drive(true, 1, axle=axle, slip=0.02, slip_angle=0.0)
-        ends.append(np.linalg.norm(states.position - true.way(states), axis=1).max())
+        ends.append(np.linalg.norm(states.position - way(true, states), axis=1).max())
     assert ends[1] < 0.7 * ends[0]

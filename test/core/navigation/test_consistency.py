@@ -58,7 +58,7 @@ def normalized_errors(request):
     free = rules.copy()
     free[layout.NONHOLONOMIC] = 0.0
     first, step = layout.COVARIANCE, true.time[1]
-    deviation = np.sqrt(start[first : first + 256 : 17])[:15]
+    spread = np.linalg.cholesky(start[first : first + 256].reshape(16, 16)[:15, :15])
     random = np.random.default_rng(1)
     count = len(true.time)
     verdicts = np.zeros((count, 3))
@@ -66,7 +66,7 @@ def normalized_errors(request):
     rotations = Rotation.from_matrix(true.rotation)
     results = np.zeros((RUNS, len(times), 6))
     for run in range(RUNS):
-        drawn = deviation * random.normal(size=15)
+        drawn = spread @ random.normal(size=15)
         rate_bias, force_bias = (
             begin + np.cumsum(random.normal(0.0, rules[wander] * step**0.5, (count, 3)), axis=0)
             for begin, wander in (
