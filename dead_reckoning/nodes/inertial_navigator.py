@@ -11,7 +11,6 @@ from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
 from dead_reckoning.core.navigator_stage import load_kernels, navigator_stage
 from dead_reckoning.core.stages import COMPASS, ODOMETRY, STATIONARY, STATISTIC, THRESHOLD
-from dead_reckoning.nodes import parameters
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.transforms import mountings
 
@@ -59,7 +58,7 @@ def serve(node: ChainNode, navigator: InertialNavigator) -> None:
 
     node.offer('reset', reset)
     node.offer('level', navigator.level)
-    parameters.follow_changes(node, navigator.settings, navigator.configure)
+    node.follow(navigator.settings, navigator.configure)
     node.show(lambda: figures(navigator))
 
 
