@@ -102,7 +102,7 @@ class Session:
     def warm_up(self, seconds: float) -> None:
         """Publish until all have found each other and Odometry comes, and a while longer."""
         deadline = time.monotonic() + PATIENCE
-        while self.run(RATE, 0.5).lost:
+        while self.run(RATE, 1.0).lost:
             if time.monotonic() > deadline:
                 raise LostError(f'no Odometry for each Imu in {PATIENCE:g} s')
         self.run(RATE, seconds)
