@@ -173,10 +173,11 @@ def test_a_held_sensor_without_vqf(tmp_path, monkeypatch):
 def test_simulations_report_what_they_find(tmp_path, monkeypatch):
     monkeypatch.setattr(consistency, 'RUNS', 2)
     report = consistency.measure(tmp_path)
-    told, by_default = report.figures.values()
+    told, _, driven, by_default = report.figures.values()
     assert 0.1 < told['position'] < 10.0
+    assert 0.1 < driven['position'] < 10.0
     assert by_default['position'] < 0.5
-    assert len(report.goals) == 3
+    assert len(report.goals) == 5
     monkeypatch.setattr(slopes, 'SEEDS', 1)
     monkeypatch.setattr(slopes, 'SLOPES', dict([*slopes.SLOPES.items()][:1]))
     (found,) = slopes.measure(tmp_path).figures['worst_percent'].values()
