@@ -118,7 +118,10 @@ def vertical(attitude: Array) -> Array:
 
 
 def lateness(trial: Trial) -> float:
-    """Return how late the gyro is, beside the optical rate [samples]; no filter takes part."""
+    """Return how late the gyro is, beside the optical rate [samples]; no filter takes part.
+
+    Both are means over ``steps``; what one exceeds the other by is fitted with its change.
+    """
     rot_ws = rotations(trial.attitude)
     steps = 4
     turned = np.einsum('nji,njk->nik', rot_ws[:-steps], rot_ws[steps:])
