@@ -31,6 +31,10 @@ MOST = 0.30
 WINDOW = 2.0
 """Time [s] of which the picture shows the root mean square."""
 
+VQF_AHEAD = 0.5
+"""VQF takes a rate for that of the whole step before it, the navigator for that of its stamp: of
+what a sample shows VQF's attitude is half a step later [samples]."""
+
 VQF = {
     'VQF': {},
     'VQF, tauAcc 10 s': {'tauAcc': 10.0},
@@ -41,22 +45,25 @@ VQF = {
 def measure(path: Path, output: Path) -> Report:
     """Measure one recording."""
     trial = load(path)
-    truth_s = vertical(trial.attitude)
+    truth_s, late = vertical(trial.attitude), lateness(trial)
     time = np.arange(len(truth_s)) / trial.rate
     recording = Recording(path.stem, time, trial.force_s, trial.turn_s)
     errors: dict[str, Array] = {}
+    stamped: dict[str, Array] = {}
     sigma = np.full(len(truth_s), np.nan)
     for name, way in ways(recording, HELD).items():
         states = way.states
         at = np.searchsorted(recording.stamps_ns, states.stamp_ns)
-        error = np.full(len(truth_s), np.nan)
-        error[at] = angles(vertical(states.attitude), truth_s[at])
-        errors[name] = error
+        found_s = np.full(truth_s.shape, np.nan)
+        found_s[at] = vertical(states.attitude)
+        errors[name] = angles(later(found_s, late), truth_s)
+        stamped[name] = angles(found_s, truth_s)
         if name == 'causal':
             sigma[at] = np.degrees(np.sqrt(states.attitude_covariance[:, [0, 4]].sum(axis=1)))
     theirs = vqf(trial)
     for name, attitude in theirs.items():
-        errors[name] = angles(vertical(attitude), truth_s)
+        errors[name] = angles(later(vertical(attitude), late - VQF_AHEAD), truth_s)
+        stamped[name] = angles(vertical(attitude), truth_s)
 
     report = Report(f'inclination-{path.stem}', f'BROAD, {path.stem}: inclination')
     rows = []
@@ -65,12 +72,26 @@ def measure(path: Path, output: Path) -> Report:
             'motion_rmse_deg': root_mean_square(error[trial.moving]),
             'motion_most_deg': float(np.nanmax(error[trial.moving])),
             'rest_rmse_deg': root_mean_square(error[~trial.moving]),
+            'stamped_motion_rmse_deg': root_mean_square(stamped[name][trial.moving]),
         }
         report.figures[name] = figures
         rows.append((name, *(f'{value:.3f}°' for value in figures.values())))
+    late_ms = report.figures['late_ms'] = 1000.0 * late / trial.rate
+    published = report.figures['causal']
+    published['sigma_deg'] = root_mean_square(sigma[trial.moving])
+    published['error_per_sigma'] = root_mean_square((errors['causal'] / sigma)[trial.moving])
     if not theirs:
-        rows.append(('VQF', 'not installed', '', ''))
-    report.add_table('against the optical one', ('', 'in motion', 'most', 'at rest'), rows)
+        rows.append(('VQF', 'not installed', '', '', ''))
+    report.add_table(
+        f'against the optical one of the same instant, the sensor being {late_ms:.1f} ms late; '
+        'and in motion as stamped',
+        ('', 'in motion', 'most', 'at rest', 'as stamped'),
+        rows,
+    )
+    report.text.append(
+        f'causal, in motion: σ {published["sigma_deg"]:.2f}°, error/σ '
+        f'{published["error_per_sigma"]:.2f}, RMS'
+    )
     number = path.stem.split('_')[0]
     for name in ('causal', 'smoothed'):
         found = report.figures[name]['motion_rmse_deg']
@@ -94,6 +115,31 @@ def vertical(attitude: Array) -> Array:
     """Return the vertical in the frame of the sensor, shape (n, 3), of attitudes (x, y, z, w)."""
     up_s: Array = rotations(attitude)[:, 2, :]
     return up_s
+
+
+def lateness(trial: Trial) -> float:
+    """Return how late the gyro is, beside the optical rate [samples]; no filter takes part.
+
+    Both are means over ``steps``; what one exceeds the other by is fitted with its change.
+    """
+    rot_ws = rotations(trial.attitude)
+    steps = 4
+    turned = np.einsum('nji,njk->nik', rot_ws[:-steps], rot_ws[steps:])
+    optical = np.stack([turned[:, 2, 1], turned[:, 0, 2], turned[:, 1, 0]], axis=1)
+    optical -= np.stack([turned[:, 1, 2], turned[:, 2, 0], turned[:, 0, 1]], axis=1)
+    optical *= 0.5 * trial.rate / steps
+    weights = np.array([0.5, 1.0, 1.0, 1.0, 0.5]) / steps
+    gyro = np.stack([np.convolve(axis, weights, 'valid') for axis in trial.turn_s.T], axis=1)
+    change = np.gradient(gyro, axis=0)
+    known = trial.moving[steps // 2 : -steps // 2] & ~np.isnan(optical).any(axis=1)
+    excess, change = (optical - gyro)[known], change[known]
+    return float(np.sum((excess - excess.mean(axis=0)) * change) / np.sum(change**2))
+
+
+def later(found_s: Array, samples: float) -> Array:
+    """Return vectors, shape (n, 3), so many samples later; their length does not count."""
+    row = np.arange(len(found_s))
+    return np.stack([np.interp(row + samples, row, axis) for axis in found_s.T], axis=1)
 
 
 def angles(one: Array, other: Array) -> Array:

@@ -7,12 +7,14 @@ from math import tau
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from benchmarks.accuracy import consistency, gaitmap, gcp, inclination, openshoe, slopes, xio
 from benchmarks.accuracy.__main__ import _say_goals
 from benchmarks.accuracy.inertial import FOOT, Recording, block_means, landings, live
 from benchmarks.accuracy.report import Goal, Report
 from benchmarks.accuracy.simulated_walks import walk
+from benchmarks.accuracy.trial import Trial
 from dead_reckoning.core.errors import GravityError, RecordingError
 from dead_reckoning.core.rest import GRAVITY
 
@@ -149,6 +151,27 @@ def test_inclination_is_the_angle_between_verticals():
     found = inclination.angles(inclination.vertical(turned), inclination.vertical(level))
     assert found == pytest.approx([10.0, 0.0])
     assert inclination.windowed(np.array([3.0, np.nan, 4.0, 4.0, 1.0]), 2) == pytest.approx([3, 4])
+
+
+def test_a_sensor_that_is_late_is_compared_with_the_same_instant():
+    """A rate that varies, 1.2 samples late, as that of BROAD is."""
+    rate, late = 285.0, 1.2
+    time = np.arange(3000) / rate
+    axis = np.array([0.6, 0.0, 0.8])
+
+    def angle(t):
+        return np.sin(2.0 * t) + 0.5 * np.sin(5.0 * t)
+
+    attitude = Rotation.from_rotvec(angle(time)[:, None] * axis).as_quat()
+    attitude[100:110] = np.nan
+    sensed = time - late / rate
+    turn = (2.0 * np.cos(2.0 * sensed) + 2.5 * np.cos(5.0 * sensed))[:, None] * axis + 0.01
+    still = np.zeros((len(time), 3))
+    trial = Trial(rate, still, turn, attitude, still, time > 1.0)
+    assert inclination.lateness(trial) == pytest.approx(late, rel=0.02)
+    found = inclination.vertical(Rotation.from_rotvec(angle(sensed)[:, None] * axis).as_quat())
+    errors = inclination.angles(inclination.later(found, late), inclination.vertical(attitude))
+    assert np.nanmax(errors[:-2]) < 0.01
 
 
 def test_a_held_sensor_without_vqf(tmp_path, monkeypatch):

@@ -90,6 +90,14 @@ class NavigatorSettings(Settings, prefix='navigator'):
     rate_noise: float = parameter(
         3e-4, 'Noise of the gyro', unit='rad/s/√Hz', minimum=1e-9, maximum=1.0
     )
+    rate_scale: float = parameter(
+        0.0,
+        'Noise of the gyro that grows with the rate: the share of it by which scale and axes are '
+        'wrong, times the root of twice the time for which a turn keeps its way',
+        unit='√s',
+        minimum=0.0,
+        maximum=1.0,
+    )
     rate_walk: float = parameter(
         5e-5,
         'One sigma by which the bias of the gyro wanders in a second',

@@ -1,5 +1,7 @@
 """What is known at rest, update by update, against what it says in docs/navigation.md."""
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -7,7 +9,9 @@ from simulated_walks import START_NS, UP, filtered, navigator, walk
 
 from dead_reckoning.core.errors import NotLevelledError
 from dead_reckoning.core.kernels.navigation import layout
+from dead_reckoning.core.rotation import composed, quaternion_from_turn
 from dead_reckoning.core.samples import ImuSample
+from dead_reckoning.tools.presets import values_of
 
 DT = 0.005
 REST = walk(strides=1).block()
@@ -113,25 +117,34 @@ def test_a_stance_counts_the_same_at_any_rate_of_samples():
     assert spreads[1] == pytest.approx(spreads[0], rel=0.05)
 
 
-def test_a_held_body_keeps_its_inclination():
-    """A bound of the velocity is what points to the vertical."""
-    time = np.arange(0.0, 60.0, 0.01)
-    swing = np.clip(time - 2.0, 0.0, 1.0)[:, None]  # it begins with a rest
+BIAS = np.array([0.005, -0.006, 0.004])
+HELD = {
+    name.removeprefix('navigator.'): value
+    for name, value in values_of('inertial').items()
+    if name.startswith('navigator.')
+}
 
-    def attitude(t):
-        angles = np.column_stack([0.3 * np.sin(2.0 * t), 0.4 * np.sin(1.3 * t), 0.5 * np.sin(t)])
-        return Rotation.from_euler('xyz', np.clip(t - 2.0, 0.0, 1.0)[:, None] * angles)
 
-    h = 1e-5
-    rate = (attitude(time - h).inv() * attitude(time + h)).as_rotvec() / (2.0 * h)
-    rate += np.array([0.005, -0.006, 0.004])
+def held(turning, askew, seed=0, **settings):
+    """Return errors of the inclination and their sigmas [°], and the navigator at the end.
+
+    For a minute, after a rest, a body is shaken and turned at random, ``turning`` rad/s an axis;
+    its gyro has a bias, and ``askew`` of the rate is wrong, shape (3, 3).
+    """
+    time = np.arange(0.0, 62.0, 0.01)
+    swing = np.clip(time - 2.0, 0.0, 1.0)[:, None]
+    knots = np.arange(0.0, 63.0, 0.5)
+    drawn = np.random.default_rng(seed).normal(0.0, turning, (3, len(knots)))
+    rate = swing * np.stack([np.interp(time - 0.005, knots, axis) for axis in drawn], axis=1)
+    attitudes = [(0.0, 0.0, 0.0, 1.0)]
+    for turn in (0.01 * rate[1:]).tolist():
+        attitudes.append(composed(attitudes[-1], quaternion_from_turn(tuple(turn))))
+    attitude = Rotation.from_quat(attitudes)
     shaken = swing * np.sin(time[:, None] * [6.0, 7.0, 9.0]) * [2.0, -1.5, 1.0]
-    force = attitude(time).inv().apply(shaken + UP)
-    found = navigator(
-        zero_velocity=False, gravity_direction=True, acceleration_noise=0.02, sampling_noise=0.0,
-        floor=False, rate_walk=2e-5, acceleration_bias=0.1, rate_bias=0.0087, look_ahead=0.0,
-    )  # fmt: skip
-    errors = []
+    force = attitude.inv().apply(shaken + UP)
+    rate = rate + rate @ np.transpose(askew) + BIAS
+    found = navigator(**{**HELD, **settings})
+    states = []
     for k in range(len(time)):
         imu = ImuSample(
             START_NS + k * 10_000_000,
@@ -139,16 +152,35 @@ def test_a_held_body_keeps_its_inclination():
             tuple(force[k].tolist()),
             angular_velocity=tuple(rate[k].tolist()),
         )
-        try:
-            (state,) = found.update(imu) or (None,)
-        except NotLevelledError:
-            continue
-        if state is not None and k > 1000:
-            up = Rotation.from_quat(state.attitude).inv().apply([0.0, 0.0, 1.0])
-            true = attitude(time[k : k + 1]).inv().apply([0.0, 0.0, 1.0])[0]
-            errors.append(np.degrees(np.arccos(np.clip(up @ true, -1.0, 1.0))))
-    assert np.sqrt(np.mean(np.square(errors))) < 0.3
-    np.testing.assert_allclose(found._state[6:8], [0.005, -0.006], atol=1e-3)
+        with suppress(NotLevelledError):
+            states += found.update(imu)
+    states = states[1000:]
+    found_s = Rotation.from_quat([s.attitude for s in states]).inv().apply([0.0, 0.0, 1.0])
+    true_s = attitude[-len(states) :].inv().apply([0.0, 0.0, 1.0])
+    errors = np.arcsin(np.linalg.norm(np.cross(found_s, true_s), axis=1))
+    variances = [s.attitude_covariance[0] + s.attitude_covariance[4] for s in states]
+    return np.degrees(errors), np.degrees(np.sqrt(variances)), found
+
+
+def test_a_held_body_keeps_its_inclination():
+    """A bound of the velocity is what points to the vertical."""
+    errors, _, found = held(0.5, np.zeros((3, 3)))
+    assert np.sqrt(np.mean(errors**2)) < 0.3
+    np.testing.assert_allclose(found._state[6:8], BIAS[:2], atol=1e-3)
+
+
+@pytest.mark.parametrize('turning', [0.5, 6.0])
+def test_a_gyro_whose_scale_and_axes_are_wrong_knows_how_wrong_it_is(turning):
+    """Errors of 0.25 % of the rate are drawn."""
+
+    def ratio(**settings):
+        random = np.random.default_rng(3)
+        runs = [held(turning, random.normal(0.0, 0.0025, (3, 3)), i, **settings) for i in range(4)]
+        return np.sqrt(np.mean([(errors / sigmas) ** 2 for errors, sigmas, _ in runs]))
+
+    assert 0.3 < ratio() < 1.6
+    if turning > 1.0:
+        assert ratio(rate_scale=0.0) > 5.0
 
 
 def fresh(found):

@@ -32,8 +32,8 @@ a rest (6), their variances."""
     STILL_DEVIATION, STILL_NOISE, SWAY, FLOOR_DEVIATION, FLOOR_GATE, FLOOR_SLOPE, MAX_GAP,
     GAP_SPEED, GAP_TURN, FORCE_RANGE, RATE_RANGE, AXIS_GATE, GRAVITY_DIRECTION, HELD_VELOCITY,
     HELD_TIME, NONHOLONOMIC, SLIP, SLIP_ANGLE, SLIP_TIME, COMPASS_CORRELATION, AVERAGING,
-    AXLE, GRAVITY, STILL_SAMPLES, DELAY, RULES,
-) = (*range(36), 38, 39, 40, 41)  # fmt: skip
+    RATE_SCALE, AXLE, GRAVITY, STILL_SAMPLES, DELAY, RULES,
+) = (*range(37), 39, 40, 41, 42)  # fmt: skip
 """Elements of the rules: settings of these names (the axle has three), gravity [m/s²], samples of
 the still window, delay of the verdicts; and how many."""
 

@@ -23,6 +23,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     RATE_NOISE,
     RATE_RANGE,
     RATE_REFUSED,
+    RATE_SCALE,
     RATE_WALK,
     REFUSED,
     SAMPLING_NOISE,
@@ -77,7 +78,9 @@ def predict(dt: float, force: Vector, rate: Vector, f: Filter, trace: Array) -> 
     x, y, z = added(f2, f1, -1.0)
     hidden = rules[SAMPLING_NOISE] * dt
     of_velocity = rules[ACCELERATION_NOISE] ** 2 * dt + hidden * hidden * (x * x + y * y + z * z)
-    of_rate = rules[RATE_NOISE] ** 2 * dt
+    x, y, z = w2
+    askew = rules[RATE_SCALE] ** 2 * (x * x + y * y + z * z)
+    of_rate = (rules[RATE_NOISE] ** 2 + askew) * dt
     if _reaches(force, rules[FORCE_RANGE]) or _reaches(rate, rules[RATE_RANGE]):
         state[COUNTS + SATURATED] += 1.0
     if _reaches(force, rules[FORCE_RANGE]):
