@@ -31,9 +31,9 @@ MOST = 0.30
 WINDOW = 2.0
 """Time [s] of which the picture shows the root mean square."""
 
-VQF_AHEAD = 0.5
-"""VQF takes a rate for that of the whole step before it, the navigator for that of its stamp: of
-what a sample shows VQF's attitude is half a step later [samples]."""
+AHEAD = 0.5
+"""Both take a rate for the mean over the step before its stamp: their attitude is half a step later
+than what a sample shows [samples]."""
 
 VQF = {
     'VQF': {},
@@ -56,13 +56,13 @@ def measure(path: Path, output: Path) -> Report:
         at = np.searchsorted(recording.stamps_ns, states.stamp_ns)
         found_s = np.full(truth_s.shape, np.nan)
         found_s[at] = vertical(states.attitude)
-        errors[name] = angles(later(found_s, late), truth_s)
+        errors[name] = angles(later(found_s, late - AHEAD), truth_s)
         stamped[name] = angles(found_s, truth_s)
         if name == 'causal':
             sigma[at] = np.degrees(np.sqrt(states.attitude_covariance[:, [0, 4]].sum(axis=1)))
     theirs = vqf(trial)
     for name, attitude in theirs.items():
-        errors[name] = angles(later(vertical(attitude), late - VQF_AHEAD), truth_s)
+        errors[name] = angles(later(vertical(attitude), late - AHEAD), truth_s)
         stamped[name] = angles(vertical(attitude), truth_s)
 
     report = Report(f'inclination-{path.stem}', f'BROAD, {path.stem}: inclination')

@@ -65,8 +65,7 @@ class Smoother:
             done = navigate(
                 samples, verdicts, aids, stretch.rules, stretch.state.copy(), out, trace, log
             )
-            gravity = stretch.rules[layout.GRAVITY]
-            smooth(trace[:done], log, gravity, adjoint, information, out[:done])
+            smooth(trace[:done], log, stretch.rules, adjoint, information, out[:done])
             if done:
                 yield state_block(np.concatenate(stretch.stamps)[:done], out[:done])
             if stretch.begins:

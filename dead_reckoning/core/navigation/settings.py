@@ -66,9 +66,9 @@ class NavigatorSettings(Settings, prefix='navigator'):
     )
     averaging: float = parameter(
         1.0,
-        'A sample is the mean over so much of the time between samples: 1 after a filter that '
-        'goes with the rate, as most sensors have, or where samples were averaged; 0 for values '
-        'of an instant',
+        'A sample is the mean over so much of the time since the one before: 1 after a filter '
+        'that goes with the rate, as most sensors have, or where samples were averaged; 0 for '
+        'values of an instant',
         minimum=0.0,
         maximum=3.0,
     )

@@ -36,7 +36,7 @@ def test_it_is_that_of_rauch_tung_and_striebel():
     rules, state = kept[0][4], kept[0][5]
     out, trace, log = filtered(rules, state, samples, verdicts)
     n, causal = len(out), out.copy()
-    smooth(trace, log, rules[layout.GRAVITY], np.zeros((16, 1)), np.zeros((16, 16)), out)
+    smooth(trace, log, rules, np.zeros((16, 1)), np.zeros((16, 16)), out)
     used = slice(0, 15)  # the floor takes no part
     p = trace[:n, 33 : 33 + 256].reshape(n, 16, 16)
     correction, variance = np.zeros(15), p[-1][used, used]

@@ -19,6 +19,7 @@ from dead_reckoning.core.kernels.columns import (
 from dead_reckoning.core.kernels.navigation.aiding import bound_velocity, roll_along, take_aid
 from dead_reckoning.core.kernels.navigation.layout import (
     ATTITUDE,
+    AVERAGING,
     COVARIANCE,
     DELAY,
     ERRORS,
@@ -59,6 +60,7 @@ from dead_reckoning.core.kernels.navigation.rest import (
     zero_rate,
     zero_velocity,
 )
+from dead_reckoning.core.rotation import composed, quaternion_from_turn
 from dead_reckoning.core.samples import NANOSECONDS, Vector
 
 
@@ -139,7 +141,7 @@ def navigate(
             row, traced = line[head], trace[done : done + 1]
             _take(row, verdicts[k], aids[aided:last], f, traced)
             w, noise = (row[4], row[5], row[6]), row[7]
-            put_state(out[done], state, f.p, w, noise)
+            put_state(out[done], state, f.p, w, noise, 0.5 * rules[AVERAGING] * state[STEP])
             for i in range(3):
                 out[done, STATE_ROW - 3 + i] = verdicts[k, i]
             if len(trace):
@@ -214,17 +216,21 @@ def _put_trace(trace: Array, f: Filter, rate: Vector, noise: float) -> None:
     trace[TRACE_ROW - 2], trace[TRACE_ROW - 1] = noise, f.state[LOGGED]
 
 
-def put_state(out: Array, x: Array, p: Array, rate: Vector, noise: float) -> None:
+def put_state(out: Array, x: Array, p: Array, rate: Vector, noise: float, age: float) -> None:
     """Write what is published; of the covariance the first twelve rows and columns count.
 
-    δv = ξ − v × θ.
+    δv = ξ − v × θ.  ``age`` [s] is by how much a sample, as a mean, is older than its stamp, to
+    which the attitude turns on; how far velocity and position come meanwhile is left to σ.
     """
     v = triple(x[X_VELOCITY : X_VELOCITY + 3])
     for i in range(3):
         out[i], out[3 + i] = x[X_POSITION + i], v[i]
         out[37 + i] = rate[i] - x[X_RATE_BIAS + i]
+    turn = (age * out[37], age * out[38], age * out[39])
+    a = X_ATTITUDE
+    attitude = composed((x[a], x[a + 1], x[a + 2], x[a + 3]), quaternion_from_turn(turn))
     for i in range(4):
-        out[6 + i] = x[X_ATTITUDE + i]
+        out[6 + i] = attitude[i]
     for i in range(3):
         a, b = (i + 1) % 3, (i + 2) % 3
         for j in range(3):

@@ -8,10 +8,12 @@ from dead_reckoning.core.kernels import compiled
 from dead_reckoning.core.kernels.columns import Array, triple
 from dead_reckoning.core.kernels.navigation.filter import put_state
 from dead_reckoning.core.kernels.navigation.layout import (
+    AVERAGING,
     CLONE,
     ERRORS,
     FLOOR,
     FORGET,
+    GRAVITY,
     TRACE_ROW,
     TURN,
     X,
@@ -25,7 +27,7 @@ PUBLISHED = 12
 
 @compiled
 def smooth(
-    trace: Array, log: Array, gravity: float, adjoint: Array, information: Array, out: Array
+    trace: Array, log: Array, rules: Array, adjoint: Array, information: Array, out: Array
 ) -> None:
     """Smooth a stretch of samples by the modified Bryson–Frazier recursion.
 
@@ -38,7 +40,7 @@ def smooth(
     and x̂ − P λ, P − P Λ P are the smoothed ones.  G. J. Bierman, *Fixed interval smoothing with
     discrete measurements*, Int. J. Control 18, 1973, doi:10.1080/00207177308932487.
     """
-    dx, x = np.zeros(ERRORS), np.zeros(X)
+    gravity, dx, x = rules[GRAVITY], np.zeros(ERRORS), np.zeros(X)
     half, smoothed = np.zeros((ERRORS, PUBLISHED)), np.zeros((PUBLISHED, PUBLISHED))
     for k in range(len(trace) - 1, -1, -1):
         row = trace[k]
@@ -52,7 +54,7 @@ def smooth(
         correct(x, dx)
         _shrink(p, information, half, smoothed)
         rate, noise = triple(row[TRACE_ROW - 5 : TRACE_ROW - 2]), row[TRACE_ROW - 2]
-        put_state(out[k], x, smoothed, rate, noise)
+        put_state(out[k], x, smoothed, rate, noise, 0.5 * rules[AVERAGING] * row[0])
         begin = int(trace[k - 1, TRACE_ROW - 1]) if k > 0 else 0
         for m in range(int(row[TRACE_ROW - 1]) - 1, begin - 1, -1):
             _undo(log[m], adjoint, information)
