@@ -32,8 +32,8 @@ WINDOW = 2.0
 """Time [s] of which the picture shows the root mean square."""
 
 AHEAD = 0.5
-"""Both take a rate for the mean over the step before its stamp: their attitude is half a step later
-than what a sample shows [samples]."""
+"""Both take a rate for the mean over the step before its stamp, so their attitude is half a step
+later than what a sample shows [samples]."""
 
 VQF = {
     'VQF': {},

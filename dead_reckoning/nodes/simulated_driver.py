@@ -5,7 +5,7 @@ from __future__ import annotations
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.samples import NANOSECONDS, ImuSample
 from dead_reckoning.core.stages import GROUND_TRUTH, RAW
-from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.chain_node import STEADY, ChainNode
 from dead_reckoning.nodes.driver import Driver
 from dead_reckoning.nodes.watch import ClockWatch
 from dead_reckoning.sources.driver import front_end, simulated_sensor
@@ -31,7 +31,8 @@ class SimulatedDriver(Driver):
         self._source: SimulatedAccelerometer | None = None
         self._last_ns = 0
         period = self._settings.samples_per_message / self._settings.sample_rate
-        node.create_timer(max(period, 0.001), self._tick)
+        # Not by /clock, whose leaps it makes up for bit by bit, also where the clock stands then.
+        node.create_timer(max(period, 0.001), self._tick, clock=STEADY)
         node.watch(ClockWatch(node, node.common.input_timeout).findings)
 
     def _tick(self) -> None:
