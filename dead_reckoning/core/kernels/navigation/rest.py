@@ -6,6 +6,7 @@ from math import sqrt
 
 from dead_reckoning.core.kernels.columns import Array, put, triple
 from dead_reckoning.core.kernels.navigation.layout import (
+    AXIS_GATE,
     CLONE,
     CORRELATION,
     COUNTS,
@@ -57,6 +58,7 @@ from dead_reckoning.core.kernels.navigation.measurement import (
     inject,
     measure,
     nis,
+    project,
 )
 from dead_reckoning.core.kernels.navigation.strapdown import added
 from dead_reckoning.core.rotation import matrix_from_quaternion, rotate
@@ -159,12 +161,15 @@ def level_floor(f: Filter) -> None:
     if state[STOOD] == 0.0 and state[FLOOR_KNOWN] > 0.0:
         rise = state[X_POSITION + 2] - state[X_FLOOR]
         x, y = state[X_POSITION] - state[STANCE], state[X_POSITION + 1] - state[STANCE + 1]
-        if abs(rise) < rules[FLOOR_GATE] + rules[FLOOR_SLOPE] * sqrt(x * x + y * y):
-            f.h[2], f.h[FLOOR] = 1.0, -1.0
-            measure(f, -rise, rules[FLOOR_DEVIATION] ** 2)
+        near = abs(rise) < rules[FLOOR_GATE] + rules[FLOOR_SLOPE] * sqrt(x * x + y * y)
+        variance = rules[FLOOR_DEVIATION] ** 2
+        f.h[2], f.h[FLOOR] = 1.0, -1.0
+        if near and rise * rise <= rules[AXIS_GATE] * (project(f) + variance):
+            measure(f, -rise, variance)
             inject(f)
             state[COUNTS + ON_FLOOR] += 1.0
         else:
+            f.h[2] = f.h[FLOOR] = 0.0
             state[FLOOR_KNOWN] = 0.0
             state[COUNTS + NEW_FLOOR] += 1.0
     if state[FLOOR_KNOWN] > 0.0:
