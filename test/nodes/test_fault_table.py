@@ -162,7 +162,9 @@ class Stream:
 @pytest.mark.parametrize('case', CASES.values(), ids=CASES)
 def test_faults_are_counted_by_name_and_the_next_samples_pass(ros, case):
     topics = [f'/{name}' for name in (*case.inputs, case.output[0])]
-    node = ros.start(case.node, {**lossless(*topics), **case.parameters})
+    # A test that is kept waiting itself is no silent input.
+    patient = {'common.input_timeout': 30.0}
+    node = ros.start(case.node, {**lossless(*topics), **patient, **case.parameters})
     diagnostics = ros.diagnostics()
     stream = Stream(ros, case)
     out = ros.record(*case.output).connected()
