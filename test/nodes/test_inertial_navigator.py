@@ -5,12 +5,11 @@ from itertools import count
 
 import numpy as np
 import pytest
-import yaml
 from messages import GRAVITY, NANOSECONDS, START_NS, Feed, imu_message
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
+from replays import odometry_of
 from ros_harness import DEEP, EXECUTORS, figures, lossless
-from rosbags.rosbag2 import Reader
 from sensor_msgs.msg import Imu
 from simulated_walks import measured, walk
 from std_msgs.msg import Bool, Float64
@@ -22,8 +21,6 @@ from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import quaternion_from_euler, yaw_from_quaternion
 from dead_reckoning.core.stages import ODOMETRY, RAW, STATIONARY, STATISTIC, THRESHOLD
-from dead_reckoning.sources.bags import BagWriter
-from dead_reckoning.tools.main import main
 from dead_reckoning.topics import topics
 
 WARM_UP_NS = START_NS + 1_000 * NANOSECONDS
@@ -107,17 +104,7 @@ def test_live_and_replay_give_the_same_odometry(ros, messages, tmp_path):
     for message in messages:
         publisher.publish(message)
 
-    writer = BagWriter(tmp_path / 'recorded', {f'/{RAW}': ('sensor_msgs/msg/Imu', False)})
-    for number, message in enumerate(messages):
-        writer.write(f'/{RAW}', number, message)
-    writer.close()
-    config = tmp_path / 'config.yaml'
-    config.write_text(yaml.safe_dump({'/**': {'ros__parameters': settings}}))
-    output = ['--config', str(config), '--output', str(tmp_path / 'out'), '--outputs', 'bag']
-    assert main(['replay', str(tmp_path / 'recorded'), *output]) == 0
-    with Reader(tmp_path / 'out/bag') as reader:
-        odometry = [c for c in reader.connections if c.topic == '/odom']
-        replayed = [data for _, _, data in reader.messages(odometry)]
+    replayed = odometry_of(RAW, messages, settings, tmp_path)
     # At the end of a recording there is no sample that lacks: a live node waits for more.
     pipeline = Pipeline(Configuration(settings))
     for message in messages:

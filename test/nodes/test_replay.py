@@ -2,18 +2,15 @@
 
 import numpy as np
 import pytest
-import yaml
 from messages import GRAVITY, NANOSECONDS, START_NS, Feed, imu_message, realistic_samples
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
+from replays import odometry_of
 from ros_harness import figures, lossless
-from rosbags.rosbag2 import Reader
 from sensor_msgs.msg import Imu
 
 from dead_reckoning.core.kernels.live import take
 from dead_reckoning.core.kernels.memory import nothing
-from dead_reckoning.sources.bags import BagWriter
-from dead_reckoning.tools.main import main
 
 TOPICS = {'rest': 'imu/data_raw', 'message': 'imu/data'}
 WARM_UP_NS = START_NS + 1_000 * NANOSECONDS
@@ -65,17 +62,7 @@ def test_live_and_replay_give_the_same_odometry(ros, tmp_path, attitude, case):
     for message in messages:
         publisher.publish(message)
 
-    writer = BagWriter(tmp_path / 'recorded', {f'/{topic}': ('sensor_msgs/msg/Imu', False)})
-    for number, message in enumerate(messages):
-        writer.write(f'/{topic}', number, message)
-    writer.close()
-    config = tmp_path / 'config.yaml'
-    config.write_text(yaml.safe_dump({'/**': {'ros__parameters': settings}}))
-    output = ['--config', str(config), '--output', str(tmp_path / 'out'), '--outputs', 'bag']
-    assert main(['replay', str(tmp_path / 'recorded'), *output]) == 0
-    with Reader(tmp_path / 'out/bag') as reader:
-        odometry = [c for c in reader.connections if c.topic == '/odom']
-        replayed = [data for _, _, data in reader.messages(odometry)]
+    replayed = odometry_of(topic, messages, settings, tmp_path)
 
     assert len(replayed) > 300
     last = replayed[-1][:12]
