@@ -34,6 +34,8 @@ from dead_reckoning.core.samples import (
     LinearAcceleration,
     Matrix,
     NavigationState,
+    PoseSample,
+    VelocitySample,
 )
 
 LITTLE_ENDIAN = b'\x00\x01\x00\x00'
@@ -45,6 +47,8 @@ _IMU = Struct('<37d')
 _ACCELERATION = Struct('<42d')
 _ODOMETRY = Struct('<85d')
 _POSE = Struct('<7d')
+_POSE_WITH_COVARIANCE = Struct('<43d')
+_TWIST_WITH_COVARIANCE = Struct('<42d')
 _UINT32 = Struct('<I')
 _FLOAT64 = Struct('<d')
 _NO_ANGLES = (0.0,) * 3
@@ -178,6 +182,30 @@ def decode_pose(data: bytes) -> NavigationState:
     """Read a geometry_msgs/PoseStamped, of which no more is known; raises `WireError`."""
     stamp_ns, _, d = _read(data, 'PoseStamped', _POSE, 1)
     return NavigationState(stamp_ns, d[:3], ZERO, d[3:])  # type: ignore[arg-type]
+
+
+def decode_twist(data: bytes) -> VelocitySample:
+    """Read a geometry_msgs/TwistWithCovarianceStamped, its linear part; raises `WireError`."""
+    kind = 'TwistWithCovarianceStamped'
+    stamp_ns, frame_id, d = _read(data, kind, _TWIST_WITH_COVARIANCE, 1)
+    return VelocitySample(stamp_ns, frame_id, d[:3], _first(d[6:]))  # type: ignore[arg-type]
+
+
+def decode_odometry_twist(data: bytes) -> VelocitySample:
+    """Read the linear twist of a nav_msgs/Odometry, in its child frame; raises `WireError`."""
+    stamp_ns, _, d = _read(data, 'Odometry', _ODOMETRY, 2)
+    at = _TEXT_AT + int.from_bytes(data[_TEXT_AT - 4 : _TEXT_AT], 'little')
+    at += 4 + -at % 4
+    child = data[at : at + int.from_bytes(data[at - 4 : at], 'little')].partition(b'\0')[0]
+    return VelocitySample(stamp_ns, child.decode(errors='replace'), d[43:46], _first(d[49:]))  # type: ignore[arg-type]
+
+
+def decode_pose_with_covariance(data: bytes) -> PoseSample:
+    """Read a geometry_msgs/PoseWithCovarianceStamped; raises `WireError`."""
+    kind = 'PoseWithCovarianceStamped'
+    stamp_ns, frame_id, d = _read(data, kind, _POSE_WITH_COVARIANCE, 1)
+    covariance = d[7:]
+    return PoseSample(stamp_ns, frame_id, d[:3], _first(covariance), d[3:7], _second(covariance))  # type: ignore[arg-type]
 
 
 def odometry_encoder(frame_id: str, child_frame_id: str) -> Callable[[NavigationState], bytes]:

@@ -68,6 +68,10 @@ class UnpairedError(SampleError):
     """A linear acceleration and an attitude never found the partner with their stamp."""
 
 
+class AidingError(SampleError):
+    """A velocity or a pose from elsewhere can't be used: its frame, covariance or stamp."""
+
+
 class NotAtRestError(DeadReckoningError):
     """The device moved while it had to rest."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Sequence
 from concurrent.futures import Future
 
 import numpy as np
@@ -13,6 +13,7 @@ from dead_reckoning.core.checks import require_covariances, require_force, requi
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.errors import (
+    AidingError,
     DeadReckoningError,
     GapError,
     GravityError,
@@ -34,6 +35,7 @@ from dead_reckoning.core.navigation.alignment import (
     rules_of,
 )
 from dead_reckoning.core.navigation.detection import detector_of
+from dead_reckoning.core.navigation.history import NO_LOG, NO_TRACE, STRETCH, History
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigation.states import counts_of, state_block, state_of
 from dead_reckoning.core.parameters import Settings
@@ -45,15 +47,9 @@ from dead_reckoning.core.strides import Strides, count_strides
 from dead_reckoning.core.work import Work
 
 NO_STAMPS = np.empty(0, np.int64)
-NO_TRACE = np.empty((0, layout.TRACE_ROW))
-NO_LOG = np.empty((0, layout.LOG_ROW))
 
-STRETCH = 1000
-"""Samples that are filtered in one go, and so many at most between two states of the smoother."""
-
-Recorder = Callable[[Array, Array, Array, Stamps, Array, Array], None]
-"""Takes samples, verdicts, aids, stamps, rules, and the state before them: what the smoother
-needs."""
+AHEAD_NS = NANOSECONDS
+"""A measurement with a stamp that is ahead of the samples by more has another clock."""
 
 
 class InertialNavigator:
@@ -82,8 +78,8 @@ class InertialNavigator:
         self.settings = settings
         self.findings: list[DeadReckoningError] = []
         """What turned out to be wrong, for whoever reports it and clears it."""
-        self.record: Recorder | None = None
-        """Gets all that the filter takes, before it does."""
+        self.history: History | None = None
+        """Keeps what the filter takes, where somebody needs it."""
         self._of_detectors = of_detectors
         self._gap_turn = common.turn_deviation
         self._rate_variance = common.rate_deviation**2
@@ -122,6 +118,11 @@ class InertialNavigator:
         self._waiting: deque[int] = deque()
         self._state: Array = np.zeros(0)
         self._rules: Array = np.zeros(0)
+
+    @property
+    def newest_ns(self) -> int:
+        """Stamp of the last sample [ns]; 0 before the first."""
+        return self._timeline.last_ns or 0
 
     @property
     def restarts(self) -> int:
@@ -179,10 +180,45 @@ class InertialNavigator:
         yaw, variance = found
         interval = self._compass.interval
         if self._to_north and interval is not None:
-            self._aids.add(compass.stamp_ns, layout.YAW, (yaw, variance, interval))
+            lasts = self.settings.compass_correlation
+            told = (yaw, variance, interval, lasts, lasts, layout.BY_COMPASS)
+            self._aids.add(compass.stamp_ns, layout.YAW, told)
         else:
             self._to_north = True
             self._aids.add(compass.stamp_ns, layout.NORTH, (yaw, variance))
+
+    def keep(self) -> History:
+        """Keep what the filter takes from now on; return where."""
+        if self.history is None:
+            self.history = History(self.settings.aiding_delay)
+        return self.history
+
+    def follow(self, stamp_ns: int, kind: int, values: Sequence[float]) -> None:
+        """Take what else is known at a stamp, of a kind of `layout`, with its values.
+
+        The filter goes through the samples since then once more; it keeps them from the first of
+        these on.  Raises `SampleError`, and then nothing changed.
+        """
+        newest_ns = self.newest_ns
+        if not self.aligned:
+            raise NotLevelledError(
+                'a velocity or pose came before the alignment: keep the device still for '
+                f'{self.settings.rest_duration:g} s'
+            )
+        if stamp_ns - newest_ns > AHEAD_NS:
+            ahead = (stamp_ns - newest_ns) / NANOSECONDS
+            raise AidingError(f'its stamp is {ahead:.3f} s ahead of the Imu: check the clocks')
+        late = (newest_ns - stamp_ns) / NANOSECONDS
+        if late > self.settings.aiding_delay:
+            raise AidingError(
+                f'its stamp is {late:.3f} s behind the Imu, and states are kept for '
+                f'{self.settings.aiding_delay:g} s: raise navigator.aiding_delay, or send sooner'
+            )
+        state = self.keep().insert(stamp_ns, kind, values)
+        if state is None:  # its sample is not filtered yet, or was when nothing was kept
+            self._aids.add(stamp_ns, kind, values)
+        else:
+            self._state[:] = state
 
     def update(self, imu: ImuSample) -> list[NavigationState]:
         """Take a sample; return the states that are known now, none or one, or more after a gap.
@@ -277,8 +313,8 @@ class InertialNavigator:
         aids = NO_AIDS
         if self._aids.waiting:
             aids = self._due(stamps, len(samples))
-        if self.record is not None:
-            self.record(samples, verdicts, aids, stamps, self._rules, self._state)
+        if self.history is not None:
+            self.history.add(samples, verdicts, aids, stamps, self._rules, self._state)
         return navigate(samples, verdicts, aids, self._rules, self._state, out, NO_TRACE, NO_LOG)
 
     def _due(self, stamps: Stamps, rows: int) -> Array:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
+from dead_reckoning.core.aiding import Aiding
 from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.chain import END, FAULT, NOTICE, Output, Stage
-from dead_reckoning.core.common import CommonSettings
+from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import NotLevelledError, RestartError, SampleError
 from dead_reckoning.core.mounting import IDENTITY_MOUNTING, Mounting, Mountings, carried, unmounted
 from dead_reckoning.core.navigation.settings import NavigatorSettings
@@ -17,7 +19,17 @@ from dead_reckoning.core.parameters import Settings
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import matrix_from_quaternion, rotate
 from dead_reckoning.core.samples import NANOSECONDS, ZERO, ImuSample, NavigationState, Vector
-from dead_reckoning.core.stages import COMPASS, ODOMETRY, STATISTIC, THRESHOLD, RestOutput
+from dead_reckoning.core.stages import (
+    AIDING_ODOMETRY,
+    AIDING_POSE,
+    AIDING_TWIST,
+    COMPASS,
+    ODOMETRY,
+    SET_POSE,
+    STATISTIC,
+    THRESHOLD,
+    RestOutput,
+)
 
 
 class BodyStates:
@@ -90,14 +102,24 @@ def navigator_stage(
     navigator: InertialNavigator,
     mountings: Mountings = unmounted,
     body: BodyStates | None = None,
+    frames: FrameSettings | None = None,
 ) -> Stage:
-    """Take an Imu with a rate of turn, and a compass; give the state of the body, rest on change.
+    """Take an Imu with a rate of turn, a compass, and what else measures velocity and pose.
+
+    Give the state of the body, and rest on change.
 
     States are late by the look-ahead of the detector, and have the stamps of their samples; `END`
     brings the last of them.  What the detector goes by comes with them.
     """
     body = body or BodyStates(navigator, mountings)
     rests = RestOutput()
+    aiding = Aiding(
+        navigator,
+        frames,
+        mountings,
+        lambda: body.mounting.translation,
+        lambda: body.starts[-1] if body.starts else ZERO,
+    )
 
     def give(states: Iterable[NavigationState]) -> list[Output]:
         outputs: list[Output] = []
@@ -123,8 +145,22 @@ def navigator_stage(
         navigator.findings.clear()
         return outputs
 
-    def turn(compass: ImuSample) -> tuple[()]:
-        navigator.follow_compass(compass)
+    return {
+        navigator.settings.input: take,
+        COMPASS: _silent(navigator.follow_compass),
+        AIDING_TWIST: _silent(aiding.take_twist),
+        AIDING_ODOMETRY: _silent(aiding.take_odometry),
+        AIDING_POSE: _silent(aiding.take_pose),
+        SET_POSE: _silent(aiding.set_pose),
+        END: lambda _: give(navigator.flush()),
+    }
+
+
+def _silent(take: Callable[[Any], None]) -> Callable[[Any], tuple[()]]:
+    """Return what takes a sample and gives nothing."""
+
+    def given(sample: Any) -> tuple[()]:
+        take(sample)
         return ()
 
-    return {navigator.settings.input: take, COMPASS: turn, END: lambda _: give(navigator.flush())}
+    return given

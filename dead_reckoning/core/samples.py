@@ -81,6 +81,48 @@ class LinearAcceleration:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class VelocitySample:
+    """A velocity that something else measures: wheels, a GNSS, an optical flow.
+
+    ``stamp_ns``
+        time of measurement [ns].
+    ``frame_id``
+        the frame whose axes it has, and whose origin it is the velocity of; in the world frame,
+        that of a point of the body.
+    ``velocity``, ``covariance``
+        shapes (3,) [m/s] and (3, 3) [m²/s²].
+    """
+
+    stamp_ns: int
+    frame_id: str
+    velocity: Vector
+    covariance: Matrix
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseSample:
+    """Where the body is, as something else measures it, or as a user sets it.
+
+    ``stamp_ns``
+        time of measurement [ns].
+    ``frame_id``
+        the world frame w.
+    ``position``, ``position_covariance``
+        shapes (3,) [m] and (3, 3) [m²], frame w.
+    ``attitude``, ``attitude_covariance``
+        quaternion that takes the body into w, and its covariance, shape (3, 3) [rad²], about the
+        axes of w.
+    """
+
+    stamp_ns: int
+    frame_id: str
+    position: Vector
+    position_covariance: Matrix
+    attitude: Quaternion
+    attitude_covariance: Matrix
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class NavigationState:
     """Where the body is, how fast it moves, and how well both are known, in the world w.
 

@@ -2,99 +2,129 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator
+from math import inf
 
 import numpy as np
 
-from dead_reckoning.core.blocks import Array, Stamps, StateBlock
+from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.kernels.navigation import layout
-from dead_reckoning.core.kernels.navigation.filter import navigate
 from dead_reckoning.core.kernels.navigation.smoother import smooth
-from dead_reckoning.core.navigation.aids import NO_AIDS
+from dead_reckoning.core.navigation.history import STRETCH, History, Stretch
 from dead_reckoning.core.navigation.states import state_block
-from dead_reckoning.core.navigator import STRETCH, InertialNavigator
+from dead_reckoning.core.navigator import InertialNavigator
+from dead_reckoning.core.samples import NANOSECONDS
 
-LARGEST_LOG = 16
-"""Updates of one sample at most."""
+LONGEST_NS = 10 * NANOSECONDS
+"""Without a stance for so long, what there is comes out."""
+
+LARGEST_LOG = 24
+"""Updates of one sample at most, over a stretch."""
 
 
 class Smoother:
     """Record what a navigator takes, and go back through it at the end.
 
-    Between a state that is kept for each `STRETCH` samples the filter runs again, so that only the
-    samples themselves stay in memory, 96 bytes each; the rest, 2 KB a sample, is there for one
-    stretch.  docs/navigation.md derives the recursion.
+    Between the states that are kept the filter runs again, so that only the samples themselves
+    stay in memory, 96 bytes each; the rest, 2 KB a sample, is there for one stretch.
+    docs/navigation.md derives the recursion.
     """
 
     def __init__(self, navigator: InertialNavigator) -> None:
         """Record from now on all that ``navigator`` takes."""
-        self._stretches: list[_Stretch] = []
-        navigator.record = self._record
-
-    def _record(
-        self,
-        samples: Array,
-        verdicts: Array,
-        aids: Array,
-        stamps: Stamps,
-        rules: Array,
-        state: Array,
-    ) -> None:
-        last = self._stretches[-1] if self._stretches else None
-        begins = state[layout.SEEN] == 0.0 and state[layout.WAITING] == 0.0
-        full = last is not None and last.count + len(samples) > STRETCH
-        if last is None or begins or full or last.rules is not rules:
-            waiting = int(state[layout.WAITING])
-            late = np.concatenate(last.stamps)[-waiting:] if last and waiting else stamps[:0]
-            last = _Stretch(state, rules, late, begins)
-            self._stretches.append(last)
-        last.add(samples, verdicts, aids, stamps)
+        navigator.history = self._history = History(inf)
 
     def blocks(self) -> Iterator[StateBlock]:
         """Give the smoothed states, in blocks from the last to the first."""
-        trace = np.empty((STRETCH, layout.TRACE_ROW))
-        log = np.empty((LARGEST_LOG * STRETCH, layout.LOG_ROW))
-        adjoint, information = (
-            np.zeros((layout.ERRORS, 1)),
-            np.zeros((layout.ERRORS, layout.ERRORS)),
-        )
-        for stretch in reversed(self._stretches):
-            samples, verdicts = stretch.samples[: stretch.count], stretch.verdicts[: stretch.count]
-            out = np.empty((stretch.count, layout.STATE_ROW))
-            aids = np.concatenate(stretch.aids)
-            done = navigate(
-                samples, verdicts, aids, stretch.rules, stretch.state.copy(), out, trace, log
-            )
-            smooth(trace[:done], log, stretch.rules, adjoint, information, out[:done])
-            if done:
-                yield state_block(np.concatenate(stretch.stamps)[:done], out[:done])
-            if stretch.begins:
-                adjoint[:] = information[:] = 0.0
+        return smoothed(reversed(self._history.stretches))
 
 
-class _Stretch:
-    """Samples with their verdicts, and the state of the filter before them.
+class StrideSmoother:
+    """Smooth the way since the last stance when the next one ends: one stride late.
 
-    ``stamps`` begin with those of the samples that waited then; ``begins`` says that there was no
-    sample before.
+    What comes out knows all samples up to the end of that stance, and no later one.  Where there
+    is no stance for `LONGEST` seconds it comes out all the same, so that memory is bounded.
     """
 
-    def __init__(self, state: Array, rules: Array, waiting: Stamps, begins: bool) -> None:
-        self.state, self.rules, self.begins = state.copy(), rules, begins
-        self.samples = np.empty((STRETCH, layout.ROW))
-        self.verdicts = np.empty((STRETCH, 3))
-        self.aids = [NO_AIDS]
-        self.stamps = [waiting]
-        self.count = 0
+    def __init__(self, navigator: InertialNavigator) -> None:
+        self._navigator = navigator
+        navigator.keep().needed_ns = 0
+        self._begin()
 
-    def add(self, samples: Array, verdicts: Array, aids: Array, stamps: Stamps) -> None:
-        """Keep samples; one with a step below 0 is none, and has no stamp."""
-        if len(aids):
-            later = aids.copy()
-            later[:, 0] += self.count
-            self.aids.append(later)
-        end = self.count + len(samples)
-        self.samples[self.count : end] = samples
-        self.verdicts[self.count : end] = verdicts
-        self.stamps.append(stamps.copy())
-        self.count = end
+    def _begin(self) -> None:
+        self._begun = self._navigator.strides  # anew at each start
+        self._from_ns: int | None = None
+        self._last_ns = 0
+        self._stood = False
+
+    def take(self, states: StateBlock) -> list[StateBlock]:
+        """Take the next states that the navigator gave; return smoothed ones, in their order."""
+        if self._navigator.strides is not self._begun:
+            self._begin()
+        stamps, rests = states.stamp_ns, states.stationary
+        found, begin = [], 0
+        while begin < len(states):
+            if self._from_ns is None:
+                self._need(int(stamps[begin]))
+                self._stood = bool(rests[begin])
+            assert self._from_ns is not None
+            late = int(np.searchsorted(stamps, self._from_ns + LONGEST_NS, 'right'))
+            ends = np.flatnonzero(np.diff(rests[begin:].astype(int), prepend=int(self._stood)) < 0)
+            end = min(late, begin + int(ends[0])) if len(ends) else late
+            if end > begin:
+                self._last_ns = int(stamps[end - 1])
+                self._stood = bool(rests[end - 1])
+            if end < len(states):
+                found.append(self._smooth())
+                self._need(int(stamps[end]))
+                self._stood = bool(rests[end])
+            begin = end
+        return found
+
+    def flush(self) -> list[StateBlock]:
+        """Return what is left, as at the end."""
+        if self._from_ns is None:
+            return []
+        left = self._smooth()
+        self._begin()
+        return [left]
+
+    def _need(self, from_ns: int) -> None:
+        self._from_ns = self._navigator.keep().needed_ns = from_ns
+
+    def _smooth(self) -> StateBlock:
+        """Return the states from the first to the last, smoothed."""
+        assert self._from_ns is not None
+        stretches = self._navigator.keep().stretches
+        found = []
+        for block in smoothed(reversed(stretches), self._last_ns):
+            begin = int(np.searchsorted(block.stamp_ns, self._from_ns))
+            found.append(block.part(begin, len(block)))
+            if begin > 0:
+                break
+        return StateBlock.join(found[::-1])
+
+
+def smoothed(stretches: Iterable[Stretch], last_ns: int | None = None) -> Iterator[StateBlock]:
+    """Give the smoothed states of stretches, which come from the last to the first, in blocks.
+
+    ``last_ns`` is the stamp of the last sample that they know; of all where that is None.
+    """
+    trace = np.empty((STRETCH, layout.TRACE_ROW))
+    log = np.empty((LARGEST_LOG * STRETCH, layout.LOG_ROW))
+    adjoint = np.zeros((layout.ERRORS, 1))
+    information = np.zeros((layout.ERRORS, layout.ERRORS))
+    for stretch in stretches:
+        rows = stretch.count
+        if last_ns is not None:
+            rows = min(rows, stretch.first + bisect_right(stretch.stamps, last_ns))
+            if rows <= stretch.first:
+                continue
+        out = np.empty((rows, layout.STATE_ROW))
+        done = stretch.run(stretch.state.copy(), out, trace, log, rows)
+        smooth(trace[:done], log, stretch.rules, adjoint, information, out[:done])
+        if done:
+            yield state_block(np.array(stretch.stamps[:done], np.int64), out[:done])
+        if stretch.begins:
+            adjoint[:] = information[:] = 0.0

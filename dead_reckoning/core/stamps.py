@@ -20,6 +20,11 @@ class Timeline:
         self.restarts = 0
         self._last_ns: int | None = None
 
+    @property
+    def last_ns(self) -> int | None:
+        """The last stamp [ns]; None before the first."""
+        return self._last_ns
+
     def advance(self, stamp_ns: int) -> int | None:
         """Take the next stamp [ns] and return the step [ns] since the last one, or None.
 

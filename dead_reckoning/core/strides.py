@@ -33,6 +33,10 @@ class Strides:
             return self._length
         return self._length + dist(self._left, self._last)
 
+    def forget_stance(self) -> None:
+        """Go on from elsewhere: the body was placed there, it did not walk."""
+        self._length, self._left, self._last = self.path_length, None, None
+
     def update(self, stationary: bool, position: Vector) -> None:
         """Take the next state: whether the foot stands, and where, shape (3,) [m].
 

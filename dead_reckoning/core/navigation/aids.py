@@ -17,6 +17,12 @@ LONGEST = 256
 NO_AIDS = np.empty((0, layout.AID_ROW))
 
 
+def aid_row(row: int, kind: int, values: Sequence[float], age_ns: int) -> tuple[float, ...]:
+    """Return what the kernel takes, AID_ROW numbers, for the sample that a row filters."""
+    padding = (layout.AID_ROW - 3 - len(values)) * (0.0,)
+    return (row, kind, *values, age_ns / NANOSECONDS, *padding)
+
+
 class Aids:
     """Hand each over with the first sample that is not before it and not filtered yet.
 
@@ -53,7 +59,5 @@ class Aids:
             if index + first >= rows or index == len(stamps):
                 self.waiting.append((stamp_ns, kind, values))
                 continue
-            age = (int(stamps[index]) - stamp_ns) / NANOSECONDS
-            padding = (layout.AID_ROW - 3 - len(values)) * (0.0,)
-            made.append((index + first, kind, *values, age, *padding))
+            made.append(aid_row(index + first, kind, values, int(stamps[index]) - stamp_ns))
         return np.array(sorted(made, key=lambda row: row[0])) if made else NO_AIDS

@@ -41,7 +41,7 @@ RULES = (
     'axis_gate', 'zero_rate', 'still_window', 'still_deviation', 'still_noise', 'sway',
     'floor_deviation', 'floor_gate', 'floor_slope', 'max_gap', 'gap_speed', 'force_range',
     'rate_range', 'gravity_direction', 'held_velocity', 'held_time', 'nonholonomic', 'slip',
-    'slip_angle', 'slip_time', 'compass_correlation', 'averaging', 'rate_scale',
+    'slip_angle', 'slip_time', 'averaging', 'rate_scale', 'aiding_gate', 'aiding_patience',
 )  # fmt: skip
 """Settings that the kernel takes as they are, under the same names."""
 

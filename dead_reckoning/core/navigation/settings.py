@@ -295,6 +295,47 @@ class NavigatorSettings(Settings, prefix='navigator'):
         'Where the axle that is not steered is, seen from the sensor, in the axes of the body',
         unit='m', minimum=-1000.0, maximum=1000.0, length=3,
     )  # fmt: skip
+    aiding_twist: bool = parameter(
+        True, 'Take the velocities of aiding/twist, where there are any', mutable=True
+    )
+    aiding_odom: bool = parameter(
+        True, 'Take the velocities of aiding/odom, where there are any', mutable=True
+    )
+    aiding_pose: bool = parameter(
+        True, 'Take the poses of aiding/pose, where there are any', mutable=True
+    )
+    aiding_gate: float = parameter(
+        16.3,
+        'Largest NIS of a velocity or a position from elsewhere, of three degrees of freedom, '
+        'that is believed: one in a thousand is beyond',
+        minimum=1.0,
+    )
+    aiding_patience: float = parameter(
+        5.0,
+        'After so long a time in which all of them are refused they are believed: then the filter '
+        'is wrong, not they',
+        unit='s',
+        minimum=0.0,
+        maximum=1e6,
+    )
+    aiding_delay: float = parameter(
+        0.5,
+        'How old a measurement may be: it is taken at its stamp, as the states since are kept',
+        unit='s',
+        minimum=0.0,
+        maximum=10.0,
+    )
+    twist_lever_arm: tuple[float, float, float] = parameter(
+        (0.0, 0.0, 0.0),
+        'Where on the body that moves of which aiding/twist, in the world or the body frame, '
+        'gives the velocity, as the antenna of a GNSS; axes of the body',
+        unit='m', minimum=-1000.0, maximum=1000.0, length=3,
+    )  # fmt: skip
+    pose_lever_arm: tuple[float, float, float] = parameter(
+        (0.0, 0.0, 0.0),
+        'Where on the body that is of which aiding/pose gives the position; axes of the body',
+        unit='m', minimum=-1000.0, maximum=1000.0, length=3,
+    )  # fmt: skip
     detector: tuple[str, ...] = parameter(
         ('shoe',),
         'What finds rest: shoe (generalised likelihood ratio), angular_rate (its energy), '

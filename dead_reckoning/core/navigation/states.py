@@ -17,15 +17,24 @@ COUNTED = {
     'zero_rate_refused': layout.ZARU_REFUSED,
     'floor': layout.ON_FLOOR,
     'new_floor': layout.NEW_FLOOR,
-    'compass': layout.COMPASS,
-    'compass_refused': layout.COMPASS_REFUSED,
     'gravity_direction': layout.BOUNDED,
     'gravity_direction_refused': layout.BOUNDED_REFUSED,
     'nonholonomic': layout.ROLLING,
     'nonholonomic_refused': layout.ROLLING_REFUSED,
     'gap': layout.GAP,
     'saturated': layout.SATURATED,
+    'placed': layout.PLACED,
 }
+WITNESSES = {
+    'compass': layout.BY_COMPASS,
+    'aiding_twist': layout.BY_TWIST,
+    'aiding_odom': layout.BY_ODOM,
+    'aiding_pose': layout.BY_POSE,
+    'aiding_yaw': layout.BY_POSE_YAW,
+}
+for _name, _who in WITNESSES.items():
+    COUNTED[_name] = layout.AIDED + 2 * _who
+    COUNTED[f'{_name}_refused'] = layout.AIDED + 2 * _who + 1
 """What the filter counts, by name."""
 
 

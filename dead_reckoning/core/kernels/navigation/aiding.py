@@ -6,15 +6,14 @@ from math import floor, sqrt, tau
 
 from dead_reckoning.core.kernels.columns import Array, put, triple
 from dead_reckoning.core.kernels.navigation.layout import (
+    AID_REFUSED,
+    AIDED,
     ATTITUDE,
     AXIS_GATE,
     AXLE,
     BOUND_REFUSED,
     BOUNDED,
     BOUNDED_REFUSED,
-    COMPASS,
-    COMPASS_CORRELATION,
-    COMPASS_REFUSED,
     COUNTS,
     FORCE_BIAS,
     GATE,
@@ -24,6 +23,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     HELD_VELOCITY,
     LEVEL,
     NORTH,
+    PLACE,
     RATE_BIAS,
     ROLL_REFUSED,
     ROLLING,
@@ -31,11 +31,11 @@ from dead_reckoning.core.kernels.navigation.layout import (
     SLIP,
     SLIP_ANGLE,
     SLIP_TIME,
+    VECTOR,
     VELOCITY,
     X_FORCE_BIAS,
     X_RATE_BIAS,
     X_VELOCITY,
-    YAW_REFUSED,
     Filter,
 )
 from dead_reckoning.core.kernels.navigation.measurement import (
@@ -51,6 +51,7 @@ from dead_reckoning.core.kernels.navigation.measurement import (
     turn_world,
 )
 from dead_reckoning.core.kernels.navigation.strapdown import added, cross
+from dead_reckoning.core.kernels.navigation.vectors import follow_vector, place
 from dead_reckoning.core.rotation import (
     composed,
     matrix_from_quaternion,
@@ -77,20 +78,25 @@ def take_aid(aid: Array, rate: Vector, f: Filter) -> None:
     elif aid[1] == NORTH:
         turn_world(f, _wrapped(aid[2] - yaw_from_quaternion(attitude_of(f.state))))
         f.p[ATTITUDE + 2, ATTITUDE + 2] += aid[3]
+    elif aid[1] == VECTOR:
+        follow_vector(aid, rate, f)
+    elif aid[1] == PLACE:
+        place(aid, f)
     else:
-        follow_yaw(aid[2], aid[3], aid[4], aid[5], rate, f)
+        follow_yaw(aid, rate, f)
 
 
-def follow_yaw(
-    yaw: float, variance: float, interval: float, age: float, rate: Vector, f: Filter
-) -> None:
-    """Take the yaw that a compass showed some time ago.
+def follow_yaw(aid: Array, rate: Vector, f: Filter) -> None:
+    """Take the yaw that a compass, or a pose, showed some time ago.
 
     The yaw of R = exp(θ) R̂, that of its x axis e, changes by θ_z − e_z (e_x θ_x + e_y θ_y)/(e_x² +
-    e_y²).  Its error lasts, so ``variance`` [rad²] says whether it may be, but the more there are
-    in that time, by the ``interval`` [s], the less each counts.
+    e_y²).  Its error lasts, so its variance [rad²] says whether it may be, but the more there are
+    in that time, by the interval [s], the less each counts.
     """
     state, h = f.state, f.h
+    yaw, variance, interval, lasts, patience, who, age = (
+        aid[2], aid[3], aid[4], aid[5], aid[6], int(aid[7]), aid[8],
+    )  # fmt: skip
     attitude = attitude_of(state)
     rot_ws = matrix_from_quaternion(attitude)
     x, y, z = rot_ws[0], rot_ws[3], rot_ws[6]
@@ -102,14 +108,15 @@ def follow_yaw(
     turned = age * (h[ATTITUDE] * wx + h[ATTITUDE + 1] * wy + wz)
     innovation = _wrapped(yaw + turned - yaw_from_quaternion(attitude))
     excess = innovation * innovation > f.rules[AXIS_GATE] * (project(f) + variance)
-    lasts = f.rules[COMPASS_CORRELATION]
-    if not believed(f, YAW_REFUSED, excess, interval, lasts):
-        state[COUNTS + COMPASS_REFUSED] += 1.0
+    if not believed(f, AID_REFUSED + who, excess, interval, patience):
+        state[COUNTS + AIDED + 2 * who + 1] += 1.0
         h[ATTITUDE] = h[ATTITUDE + 1] = h[ATTITUDE + 2] = 0.0
         return
-    measure(f, innovation, variance * max(1.0, 2.0 * lasts / interval))
+    if lasts > 0.0:
+        variance *= max(1.0, 2.0 * lasts / interval)
+    measure(f, innovation, variance)
     inject(f)
-    state[COUNTS + COMPASS] += 1.0
+    state[COUNTS + AIDED + 2 * who] += 1.0
 
 
 def _wrapped(angle: float) -> float:

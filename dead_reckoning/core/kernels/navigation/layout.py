@@ -17,23 +17,33 @@ ROW = 8
 """Columns of a sample: step [s] since the one before, force (3), rate (3), variance of the rate.
 A step below 0 stands for no sample: one that waits for its verdict is taken."""
 
-AID_ROW = 11
+AID_ROW = 25
 """Columns of what else is known of a sample: row with which that sample is filtered, kind, values.
 """
 
-YAW, NORTH, LEVEL = range(3)
-"""Kinds of these, and their values: yaw [rad], its variance, time [s] since the one before and by
-which it is older than the sample; the first yaw there is, and its variance; mean force and rate of
-a rest (6), their variances."""
+YAW, NORTH, LEVEL, VECTOR, PLACE = range(5)
+"""Kinds of these, and their values, which end with the time [s] by which they are older than the
+sample.  Yaw [rad], its variance, times [s] since the one before, for which its error lasts, and
+for which it may be refused, who measures it; the first yaw there is, and its variance; mean force
+and rate of a rest (6), their variances; a vector that is measured: what it is, who measures it,
+time [s] since the one before, values (3), covariance (its upper half, 6), arm (3); a pose that is
+set: position (3) and covariance (6), attitude (4) and covariance (6), arm (3)."""
+
+BODY_VELOCITY, WORLD_VELOCITY, WORLD_POSITION = range(3)
+"""What a vector can be, of a point of the body at an arm [m] from the sensor: its velocity along
+the axes of the body [m/s], or of the world; its position [m]."""
+
+BY_COMPASS, BY_TWIST, BY_ODOM, BY_POSE, BY_POSE_YAW, WITNESSES = range(6)
+"""Who measures yaws and vectors, and how many there are."""
 
 (
     ACCELERATION_NOISE, SAMPLING_NOISE, RATE_NOISE, RATE_WALK, ACCELERATION_WALK, ZERO_VELOCITY,
     STANCE_VELOCITY, PIVOT, HEIGHT, CORRELATION, GATE, PATIENCE, ZERO_RATE, STILL_WINDOW,
     STILL_DEVIATION, STILL_NOISE, SWAY, FLOOR_DEVIATION, FLOOR_GATE, FLOOR_SLOPE, MAX_GAP,
     GAP_SPEED, GAP_TURN, FORCE_RANGE, RATE_RANGE, AXIS_GATE, GRAVITY_DIRECTION, HELD_VELOCITY,
-    HELD_TIME, NONHOLONOMIC, SLIP, SLIP_ANGLE, SLIP_TIME, COMPASS_CORRELATION, AVERAGING,
-    RATE_SCALE, AXLE, GRAVITY, STILL_SAMPLES, DELAY, RULES,
-) = (*range(37), 39, 40, 41, 42)  # fmt: skip
+    HELD_TIME, NONHOLONOMIC, SLIP, SLIP_ANGLE, SLIP_TIME, AVERAGING, RATE_SCALE,
+    AXLE, AIDING_GATE, AIDING_PATIENCE, GRAVITY, STILL_SAMPLES, DELAY, RULES,
+) = (*range(36), *range(38, 44))  # fmt: skip
 """Elements of the rules: settings of these names (the axle has three), gravity [m/s²], samples of
 the still window, delay of the verdicts; and how many."""
 
@@ -57,11 +67,11 @@ STANCE = FLOOR_KNOWN + 1
 """Whether the body stood, and on a known floor; where its last stance was (2)."""
 REFUSED = STANCE + 2
 RATE_REFUSED = REFUSED + 1
-YAW_REFUSED = RATE_REFUSED + 1
-BOUND_REFUSED = YAW_REFUSED + 1
+BOUND_REFUSED = RATE_REFUSED + 1
 ROLL_REFUSED = BOUND_REFUSED + 1
-"""Time [s] for which velocity and rate of rests were refused; and yaw, bound, wheels."""
-HELD = ROLL_REFUSED + 1
+AID_REFUSED = ROLL_REFUSED + 1
+"""Time [s] for which velocity and rate of rests were refused; bound, wheels; each witness."""
+HELD = AID_REFUSED + WITNESSES
 HOLDS = HELD + 1
 HOLD = HOLDS + 1
 """Time, count and sum (3) of the rates of a rest."""
@@ -78,10 +88,11 @@ LOGGED = WAITING + 1
 COUNTS = LOGGED + 1
 
 (
-    ZUPT, ZUPT_REFUSED, ZARU, ZARU_REFUSED, ON_FLOOR, NEW_FLOOR, COMPASS, COMPASS_REFUSED, BOUNDED,
-    BOUNDED_REFUSED, ROLLING, ROLLING_REFUSED, GAP, SATURATED, COUNTED,
-) = range(15)  # fmt: skip
-"""What is counted, and how many counts there are."""
+    ZUPT, ZUPT_REFUSED, ZARU, ZARU_REFUSED, ON_FLOOR, NEW_FLOOR, BOUNDED, BOUNDED_REFUSED, ROLLING,
+    ROLLING_REFUSED, GAP, SATURATED, PLACED, AIDED, COUNTED,
+) = (*range(14), 14 + 2 * WITNESSES)  # fmt: skip
+"""What is counted, and how many counts there are; of what is measured elsewhere, how much is taken
+and how much refused, by who measures it."""
 
 RINGS = COUNTS + COUNTED
 """Begin of the rings: rates of the still window, samples that wait."""

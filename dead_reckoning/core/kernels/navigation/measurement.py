@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import cos, sin
+from typing import TypeAlias
 
 from dead_reckoning.core.kernels.columns import Array, triple
 from dead_reckoning.core.kernels.navigation.layout import (
@@ -27,6 +28,9 @@ from dead_reckoning.core.kernels.navigation.layout import (
 from dead_reckoning.core.kernels.navigation.strapdown import cross, mirror, transpose
 from dead_reckoning.core.rotation import composed, quaternion_from_turn, unit
 from dead_reckoning.core.samples import Quaternion, Vector
+
+Half: TypeAlias = tuple[float, float, float, float, float, float]
+"""The upper half of a symmetric matrix, shape (3, 3), row by row."""
 
 
 def measure(f: Filter, innovation: float, variance: float) -> None:
@@ -91,9 +95,14 @@ def clear(vector: Array) -> None:
 
 def nis(p: Array, variance: float, y: Vector) -> float:
     """Return yᵀ S⁻¹ y of the velocity, S = P_ξξ + variance · I."""
+    a, d, f = p[3, 3] + variance, p[4, 4] + variance, p[5, 5] + variance
+    return normalized_square((a, p[3, 4], p[3, 5], d, p[4, 5], f), y)
+
+
+def normalized_square(s: Half, y: Vector) -> float:
+    """Return yᵀ S⁻¹ y; of S, shape (3, 3), the upper half is given."""
     x0, x1, x2 = y
-    a, b, c = p[3, 3] + variance, p[3, 4], p[3, 5]
-    d, e, f = p[4, 4] + variance, p[4, 5], p[5, 5] + variance
+    a, b, c, d, e, f = s
     u, v, w = d * f - e * e, c * e - b * f, b * e - c * d
     value = u * x0 * x0 + (a * f - c * c) * x1 * x1 + (a * d - b * b) * x2 * x2
     value += 2.0 * (v * x0 * x1 + w * x0 * x2 + (b * c - a * e) * x1 * x2)

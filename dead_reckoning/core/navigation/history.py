@@ -1,0 +1,168 @@
+"""Keep what a filter takes, and its state now and then, so that it can go through it again."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import inf
+
+import numpy as np
+
+from dead_reckoning.core.blocks import Array, Stamps
+from dead_reckoning.core.kernels.navigation import layout
+from dead_reckoning.core.kernels.navigation.filter import navigate
+from dead_reckoning.core.navigation.aids import NO_AIDS, aid_row
+from dead_reckoning.core.samples import NANOSECONDS
+
+NO_TRACE = np.empty((0, layout.TRACE_ROW))
+NO_LOG = np.empty((0, layout.LOG_ROW))
+
+STRETCH = 200
+"""Samples at most between two states that are kept."""
+
+
+@dataclass(eq=False)
+class Stretch:
+    """Rows that a filter took, shape (n, ROW), with their verdicts and aids, and its state before.
+
+    ``stamps`` begin with those of the samples that waited then; ``begins`` says that there was no
+    sample before.
+    """
+
+    state: Array
+    rules: Array
+    begins: bool
+    stamps: list[int]
+    first: int
+    """Row that filters the first of the stamps."""
+    count: int = 0
+    closed: bool = False
+    samples: Array = field(default_factory=lambda: np.empty((STRETCH, layout.ROW)))
+    verdicts: Array = field(default_factory=lambda: np.empty((STRETCH, 3)))
+    aids: Array = field(default_factory=lambda: NO_AIDS)
+
+    @property
+    def filtered(self) -> int:
+        """How many of its stamps are filtered at its end."""
+        return max(0, self.count - self.first)
+
+    def add(self, samples: Array, verdicts: Array, aids: Array, stamps: Stamps) -> None:
+        """Keep rows; those that stand for no sample close the stretch, and have no stamps."""
+        if len(aids):
+            later = aids.copy()
+            later[:, 0] += self.count
+            self.aids = np.concatenate((self.aids, later))
+        end = self.count + len(samples)
+        self.samples[self.count : end] = samples
+        self.verdicts[self.count : end] = verdicts
+        self.stamps += stamps.tolist()
+        self.count = end
+        self.closed = len(stamps) < len(samples)
+
+    def run(
+        self,
+        state: Array,
+        out: Array,
+        trace: Array = NO_TRACE,
+        log: Array = NO_LOG,
+        rows: int | None = None,
+    ) -> int:
+        """Filter so many rows, or all, from a state on; return how many of ``out`` are filled."""
+        n = self.count if rows is None else rows
+        return navigate(
+            self.samples[:n], self.verdicts[:n], self.aids, self.rules, state, out, trace, log
+        )
+
+
+class History:
+    """Keep the last ``span`` [s] of what a navigator takes: its ``record``.
+
+    96 bytes a sample, and 4 KB for each `STRETCH` of them.
+    """
+
+    def __init__(self, span: float) -> None:
+        self.stretches: deque[Stretch] = deque()
+        self.needed_ns: int | None = None
+        """Stamp from which on all is kept, however long ago; None where nobody needs it."""
+        self._span_ns = span * NANOSECONDS
+
+    def clear(self) -> None:
+        """Forget all; what is needed is needed from the start on."""
+        self.stretches.clear()
+        self.needed_ns = None if self.needed_ns is None else 0
+
+    def add(
+        self,
+        samples: Array,
+        verdicts: Array,
+        aids: Array,
+        stamps: Stamps,
+        rules: Array,
+        state: Array,
+    ) -> None:
+        """Keep what a filter is about to take, and drop what is too long ago."""
+        last = self.stretches[-1] if self.stretches else None
+        begins = bool(state[layout.SEEN] == 0.0 and state[layout.WAITING] == 0.0)
+        if begins and self._span_ns < inf:
+            self.clear()
+            last = None
+        if (
+            last is None
+            or begins
+            or last.closed
+            or last.rules is not rules
+            or last.count + len(samples) > STRETCH
+        ):
+            waiting = int(state[layout.WAITING])
+            late = last.stamps[len(last.stamps) - waiting :] if last and waiting else []
+            first = int(rules[layout.DELAY]) - waiting
+            last = Stretch(state.copy(), rules, begins, late, first)
+            self.stretches.append(last)
+        last.add(samples, verdicts, aids, stamps)
+        if len(stamps):
+            self._forget(int(stamps[-1]))
+
+    def _forget(self, newest_ns: int) -> None:
+        from_ns = newest_ns - self._span_ns
+        if self.needed_ns is not None:
+            from_ns = min(from_ns, self.needed_ns)
+        stretches = self.stretches
+        while len(stretches) > 1 and stretches[1].stamps[0] <= from_ns:
+            stretches.popleft()
+
+    def insert(self, stamp_ns: int, kind: int, values: Sequence[float]) -> Array | None:
+        """Take what is known of a sample that is filtered already; return the state of now.
+
+        None says that the sample is not filtered yet, or not kept, and nothing changed.
+        """
+        found = self._find(stamp_ns)
+        if found is None:
+            return None
+        begin, index = found
+        stretch = self.stretches[begin]
+        row = aid_row(stretch.first + index, kind, values, stretch.stamps[index] - stamp_ns)
+        aids = np.concatenate((stretch.aids, [row]))
+        stretch.aids = aids[np.argsort(aids[:, 0], kind='stable')]
+        state: Array = stretch.state.copy()
+        out = np.empty((STRETCH, layout.STATE_ROW))
+        for at in range(begin, len(self.stretches)):
+            stretch = self.stretches[at]
+            stretch.state[:] = state
+            stretch.run(state, out)
+        return state
+
+    def _find(self, stamp_ns: int) -> tuple[int, int] | None:
+        """Return in which stretch, and where, the first filtered sample not before a stamp is."""
+        found = None
+        for at in range(len(self.stretches) - 1, -1, -1):
+            stretch = self.stretches[at]
+            index = bisect_left(stretch.stamps, stamp_ns, hi=stretch.filtered)
+            if index < stretch.filtered:
+                found = at, index
+            if index > 0 or (found is not None and stretch.stamps[0] == stamp_ns):
+                return found
+            if stretch.begins:
+                break
+        return None
