@@ -16,7 +16,8 @@ class Topic:
     """How one topic is spoken; ``decode`` is None where nothing of this package reads it."""
 
     type: str
-    encode: Callable[[Any], bytes]
+    encode: Callable[[Any], bytes] | None = None
+    """None where nothing of this package writes it."""
     decode: Callable[[bytes], Any] | None = None
     encode_block: Callable[[Any], list[bytes]] | None = None
     """Of what comes in blocks, the messages of one."""
@@ -41,6 +42,11 @@ def topics(frames: FrameSettings) -> dict[str, Topic]:
         block_wire.odometries_encoder(frames.world, frames.body),
     )
     number = Topic('std_msgs/msg/Float64', wire.encode_float64, wire.decode_float64, latched=True)
+    pose = Topic(
+        'geometry_msgs/msg/PoseWithCovarianceStamped',
+        decode=wire.decode_pose_with_covariance,
+        source='whatever measures the pose',
+    )
     return {
         stages.RAW: imu,
         stages.IMU: replace(imu, source='gravity_removal, or a driver that knows its attitude'),
@@ -54,6 +60,20 @@ def topics(frames: FrameSettings) -> dict[str, Topic]:
         ),
         stages.ODOMETRY: odometry,
         stages.GROUND_TRUTH: replace(odometry, source='the simulated accelerometer_driver'),
+        stages.SMOOTHED: odometry,
+        stages.PATH: Topic('nav_msgs/msg/Path', wire.path_encoder(frames.world), latched=True),
+        stages.AIDING_TWIST: Topic(
+            'geometry_msgs/msg/TwistWithCovarianceStamped',
+            decode=wire.decode_twist,
+            source='whatever measures velocity',
+        ),
+        stages.AIDING_ODOMETRY: Topic(
+            'nav_msgs/msg/Odometry',
+            decode=wire.decode_odometry_twist,
+            source='wheels, or whatever gives odometry',
+        ),
+        stages.AIDING_POSE: pose,
+        stages.SET_POSE: replace(pose, source='whoever sets the pose'),
         stages.STATIONARY: Topic('std_msgs/msg/Bool', wire.encode_bool, latched=True),
         stages.STATISTIC: replace(number, latched=False),
         stages.THRESHOLD: replace(number, latched=False),

@@ -17,6 +17,7 @@ from functools import lru_cache
 from struct import Struct, error
 
 from dead_reckoning.core.errors import EncodingError, WireError
+from dead_reckoning.core.path import Path, Pose
 from dead_reckoning.core.rotation import (
     matrix_from_quaternion,
     rotate,
@@ -234,6 +235,35 @@ def odometry_encoder(frame_id: str, child_frame_id: str) -> Callable[[Navigation
                 rotate_covariance((a, d, g, b, e, h, c, f, i), state.velocity_covariance),
                 state.angular_velocity_covariance if turning else unmeasured,
             ),
+        )
+
+    return encode
+
+
+def path_encoder(frame_id: str) -> Callable[[Path], bytes]:
+    """Return a function that writes paths as nav_msgs/Path, each pose in the same frame."""
+    text = frame_id.encode() + b'\0'
+    before = text + b'\0' * (-len(text) % 4)
+    begin = 12 + len(before) + 4  # of the first pose; the others begin at multiples of 8
+    first, later = (
+        Struct(f'<iII{len(text) + (-at - 12 - len(text)) % 8}s7d') for at in (begin, 0)
+    )
+
+    def stamped(layout: Struct, pose: Pose) -> bytes:
+        stamp_ns, position, attitude = pose
+        return layout.pack(*divmod(stamp_ns, NANOSECONDS), len(text), text, *position, *attitude)
+
+    def encode(path: Path) -> bytes:
+        stamp = divmod(path.stamp_ns, NANOSECONDS)
+        return b''.join(
+            [
+                LITTLE_ENDIAN,
+                _STAMP.pack(*stamp, len(text)),
+                before,
+                _UINT32.pack(len(path.poses)),
+                *[stamped(first, pose) for pose in path.poses[:1]],
+                *[stamped(later, pose) for pose in path.poses[1:]],
+            ]
         )
 
     return encode

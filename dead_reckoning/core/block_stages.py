@@ -16,14 +16,17 @@ from dead_reckoning.core.batch.navigator import navigator_run
 from dead_reckoning.core.batch.pedometer import pedometer_run
 from dead_reckoning.core.blocks import ANY_BLOCK, BLOCKS, Stamped, StateBlock
 from dead_reckoning.core.chain import END, FAULT, Output, Stage
+from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.core.errors import DeadReckoningError
 from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.kernels import accelerated
 from dead_reckoning.core.mounting import Mountings, unmounted
 from dead_reckoning.core.navigator import InertialNavigator
-from dead_reckoning.core.navigator_stage import BodyStates, navigator_stage
+from dead_reckoning.core.navigator_stage import BodyStates, StrideOutputs, navigator_stage
+from dead_reckoning.core.path import Path
 from dead_reckoning.core.pedometer import Pedometer
+from dead_reckoning.core.samples import NavigationState
 from dead_reckoning.core.stages import (
     LEVELLED,
     ODOMETRY,
@@ -72,14 +75,24 @@ def navigator_block_stage(
     navigator: InertialNavigator,
     mountings: Mountings = unmounted,
     body: BodyStates | None = None,
+    frames: FrameSettings | None = None,
+    strides: StrideOutputs | None = None,
 ) -> Stage:
     """Give what `navigator_stage` gives, in blocks, without what the detector goes by."""
-    stage = navigator_stage(navigator, mountings, body)
-    run = navigator_run(navigator, mountings)
+    body = body or BodyStates(navigator, mountings)
+    strides = strides or StrideOutputs(navigator, body)
+    stage = navigator_stage(navigator, mountings, body, frames, strides)
+    run = navigator_run(navigator, mountings, strides)
 
     def end(_: None) -> list[Output]:
-        states = [value for name, value in stage[END](None) if name == ODOMETRY]
-        return [(ODOMETRY, StateBlock.of(states))] if states else []
+        made: dict[str, list[NavigationState]] = {}
+        outputs: list[Output] = []
+        for name, value in stage[END](None):
+            if isinstance(value, NavigationState):
+                made.setdefault(name, []).append(value)
+            elif isinstance(value, Path):
+                outputs.append((name, Stamped(value.stamp_ns, value)))
+        return [*((name, StateBlock.of(states)) for name, states in made.items()), *outputs]
 
     stages: Stage = {**blockwise(stage, {navigator.settings.input: run}), END: end}
     return _with_rests(stages, RestOutput())

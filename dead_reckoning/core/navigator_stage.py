@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 from dead_reckoning.core.aiding import Aiding
-from dead_reckoning.core.blocks import StateBlock
+from dead_reckoning.core.blocks import Stamped, StateBlock
 from dead_reckoning.core.chain import END, FAULT, NOTICE, Output, Stage
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import NotLevelledError, RestartError, SampleError
@@ -16,16 +16,20 @@ from dead_reckoning.core.mounting import IDENTITY_MOUNTING, Mounting, Mountings,
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
 from dead_reckoning.core.parameters import Settings
+from dead_reckoning.core.path import PathKeeper
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import matrix_from_quaternion, rotate
 from dead_reckoning.core.samples import NANOSECONDS, ZERO, ImuSample, NavigationState, Vector
+from dead_reckoning.core.smoother import StrideSmoother
 from dead_reckoning.core.stages import (
     AIDING_ODOMETRY,
     AIDING_POSE,
     AIDING_TWIST,
     COMPASS,
     ODOMETRY,
+    PATH,
     SET_POSE,
+    SMOOTHED,
     STATISTIC,
     THRESHOLD,
     RestOutput,
@@ -47,6 +51,11 @@ class BodyStates:
         self._mountings = mountings
         self._begun: object = None
 
+    @property
+    def start(self) -> Vector:
+        """Where the sensor was at the last start."""
+        return self.starts[-1] if self.starts else ZERO
+
     def turned(self, imu: ImuSample) -> ImuSample:
         """Return a sample in the axes of the body; raises `MissingMountingError`."""
         self.mounting = self._mountings(imu.frame_id)
@@ -60,6 +69,12 @@ class BodyStates:
                 rotate(matrix_from_quaternion(state.attitude), self.mounting.translation)
             )
         return self.moved(state, self.starts[-1])
+
+    def of_smoothed(self, blocks: Iterable[StateBlock]) -> Iterator[NavigationState]:
+        """Yield the states of the body for smoothed ones of the present start."""
+        for block in blocks:
+            for k in range(len(block)):
+                yield self.moved(block.sample(k), self.start)
 
     def smoothed(self, blocks: Iterable[StateBlock]) -> Iterator[StateBlock]:
         """Yield the states of the body for those of a smoother, from the last to the first."""
@@ -83,6 +98,46 @@ class BodyStates:
         return carried(state, rot_wb, lever_arm, start_w, state.angular_velocity_covariance)
 
 
+class StrideOutputs:
+    """Say where the body was, one stride late, where `navigator.smoothing` asks for it."""
+
+    def __init__(self, navigator: InertialNavigator, body: BodyStates) -> None:
+        self._navigator = navigator
+        self._body = body
+        self._smoother = StrideSmoother(navigator) if navigator.settings.smoothing else None
+        self._path = PathKeeper()
+        self._begun: object = None
+
+    def of(self, states: Sequence[NavigationState]) -> list[Output]:
+        """Return what comes of the next states that the navigator gave."""
+        if self._smoother is None or not states:
+            return []
+        return self._outputs(self._smoother.take(StateBlock.of(states)))
+
+    def of_block(self, states: StateBlock) -> list[Output]:
+        """Return what comes of a block of them."""
+        if self._smoother is None:
+            return []
+        outputs = self._outputs(self._smoother.take(states))
+        return [(n, Stamped(v.stamp_ns, v)) if n == PATH else (n, v) for n, v in outputs]
+
+    def end(self) -> list[Output]:
+        """Return what is left at the end."""
+        return [] if self._smoother is None else self._outputs(self._smoother.flush())
+
+    def _outputs(self, blocks: Iterable[StateBlock]) -> list[Output]:
+        if self._navigator.strides is not self._begun:  # it counts anew from each start
+            self._begun = self._navigator.strides
+            self._path = PathKeeper()
+        outputs: list[Output] = []
+        for state in self._body.of_smoothed(blocks):
+            outputs.append((SMOOTHED, state))
+            path = self._path.take(state)
+            if path is not None:
+                outputs.append((PATH, path))
+        return outputs
+
+
 def load_kernels(settings: NavigatorSettings, common: CommonSettings, *own: Settings) -> None:
     """Let a navigator of these settings align, so that the first samples need not wait for it.
 
@@ -103,32 +158,33 @@ def navigator_stage(
     mountings: Mountings = unmounted,
     body: BodyStates | None = None,
     frames: FrameSettings | None = None,
+    strides: StrideOutputs | None = None,
 ) -> Stage:
     """Take an Imu with a rate of turn, a compass, and what else measures velocity and pose.
 
-    Give the state of the body, and rest on change.
-
+    Give the state of the body, rest on change, and where asked for what smoothing makes of it.
     States are late by the look-ahead of the detector, and have the stamps of their samples; `END`
     brings the last of them.  What the detector goes by comes with them.
     """
     body = body or BodyStates(navigator, mountings)
+    strides = strides or StrideOutputs(navigator, body)
     rests = RestOutput()
     aiding = Aiding(
         navigator,
         frames,
         mountings,
         lambda: body.mounting.translation,
-        lambda: body.starts[-1] if body.starts else ZERO,
+        lambda: body.start,
     )
 
-    def give(states: Iterable[NavigationState]) -> list[Output]:
+    def give(states: Sequence[NavigationState]) -> list[Output]:
         outputs: list[Output] = []
         for state in states:
             outputs.append((ODOMETRY, body.of(state)))
             outputs.extend(rests.of(state.stationary))
         if outputs:
             outputs += [(STATISTIC, navigator.statistic), (THRESHOLD, navigator.threshold)]
-        return outputs
+        return outputs + strides.of(states)
 
     def take(imu: ImuSample) -> list[Output]:
         turned = body.turned(imu)
@@ -152,7 +208,7 @@ def navigator_stage(
         AIDING_ODOMETRY: _silent(aiding.take_odometry),
         AIDING_POSE: _silent(aiding.take_pose),
         SET_POSE: _silent(aiding.set_pose),
-        END: lambda _: give(navigator.flush()),
+        END: lambda _: [*give(navigator.flush()), *strides.end()],
     }
 
 

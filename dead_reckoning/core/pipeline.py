@@ -19,7 +19,6 @@ from dead_reckoning.core.parameters import Parts, Settings, parameter
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
 from dead_reckoning.core.stages import (
     ACCELERATION,
-    COMPASS,
     IMU,
     ODOMETRY,
     PEDOMETER_OUTPUTS,
@@ -32,6 +31,8 @@ from dead_reckoning.core.stages import (
     gravity_inputs,
     gravity_stage,
     integrator_stage,
+    navigator_inputs,
+    navigator_outputs,
     pedometer_inputs,
     pedometer_stage,
 )
@@ -155,11 +156,12 @@ class Pipeline:
             own = [parts[part] for part in navigator.detector_parts]
             self.navigator = InertialNavigator(navigator, common, *own)
             self.body = BodyStates(self.navigator, mountings)
-            stages.append(make.navigator(self.navigator, mountings, self.body))
-            self.outputs += (ODOMETRY, STATIONARY)
+            frames = parts[FrameSettings]
+            stages.append(make.navigator(self.navigator, mountings, self.body, frames))
+            self.outputs += navigator_outputs(navigator)
             if not blocks:
                 self.between += (STATISTIC, THRESHOLD)
-            inputs += [name for name in (navigator.input, COMPASS) if name not in made]
+            inputs += [name for name in navigator_inputs(navigator) if name not in made]
         if counts:
             self.pedometer = Pedometer(pedometer, parts[pedometer.method_part])
             self.step_odometry = StepOdometry(pedometer, common)
@@ -178,7 +180,7 @@ class _Stages(NamedTuple):
     gravity: Callable[[GravityRemoval, Mountings], Stage]
     integrator: Callable[[Integrator, Mountings, RestOutput], Stage]
     pedometer: Callable[[Pedometer, StepOdometry, Mountings, StepOutputs], Stage]
-    navigator: Callable[[InertialNavigator, Mountings, BodyStates], Stage]
+    navigator: Callable[[InertialNavigator, Mountings, BodyStates, FrameSettings], Stage]
 
 
 def _stages(blocks: bool) -> _Stages:
@@ -198,8 +200,8 @@ def _stages(blocks: bool) -> _Stages:
 
 
 def _navigator_stage(
-    navigator: InertialNavigator, mountings: Mountings, body: BodyStates
+    navigator: InertialNavigator, mountings: Mountings, body: BodyStates, frames: FrameSettings
 ) -> Stage:
     from dead_reckoning.core.navigator_stage import navigator_stage
 
-    return navigator_stage(navigator, mountings, body)
+    return navigator_stage(navigator, mountings, body, frames)

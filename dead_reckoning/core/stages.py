@@ -9,6 +9,7 @@ from dead_reckoning.core.errors import GapError, RestartError, SampleError
 from dead_reckoning.core.gravity import GravityRemoval, Levelled
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.mounting import Mountings, unmounted
+from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.pairing import StampPairs
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, PedometerState
 from dead_reckoning.core.samples import ImuSample, LinearAcceleration
@@ -23,10 +24,15 @@ ODOMETRY = 'odom'
 STATIONARY = 'stationary'
 STATISTIC = 'stationary/statistic'
 THRESHOLD = 'stationary/threshold'
+SMOOTHED = 'odom_smoothed'
+PATH = 'path'
 AIDING_TWIST = 'aiding/twist'
 AIDING_ODOMETRY = 'aiding/odom'
 AIDING_POSE = 'aiding/pose'
 SET_POSE = 'set_pose'
+AIDING = (AIDING_TWIST, AIDING_ODOMETRY, AIDING_POSE, SET_POSE)
+BESIDE = (COMPASS, *AIDING)
+"""Topics beside that of the Imu."""
 GROUND_TRUTH = 'ground_truth/odom'
 STEPS = 'pedometer/steps'
 DISTANCE = 'pedometer/distance'
@@ -58,6 +64,16 @@ def gravity_inputs(attitude: str) -> tuple[str, ...]:
     """Name all topics that gravity removal takes: an Imu, and where it helps a compass."""
     taken = gravity_input(attitude)
     return (taken,) if taken == IMU else (taken, COMPASS)
+
+
+def navigator_inputs(settings: NavigatorSettings) -> tuple[str, ...]:
+    """Name all topics that the inertial navigator takes: an Imu, and beside it what there is."""
+    return (settings.input, *BESIDE)
+
+
+def navigator_outputs(settings: NavigatorSettings) -> tuple[str, ...]:
+    """Name all topics of the inertial navigator, but for what its detector goes by."""
+    return (ODOMETRY, STATIONARY, *((SMOOTHED, PATH) if settings.smoothing else ()))
 
 
 def gravity_stage(removal: GravityRemoval, mountings: Mountings = unmounted) -> Stage:

@@ -10,7 +10,13 @@ from dead_reckoning.core.kernels import SLOW, accelerated
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
 from dead_reckoning.core.navigator_stage import load_kernels, navigator_stage
-from dead_reckoning.core.stages import COMPASS, ODOMETRY, STATIONARY, STATISTIC, THRESHOLD
+from dead_reckoning.core.stages import (
+    BESIDE,
+    STATISTIC,
+    THRESHOLD,
+    navigator_inputs,
+    navigator_outputs,
+)
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.transforms import mountings
 
@@ -19,7 +25,7 @@ LONG = 5.0
 
 
 class InertialNavigatorNode(ChainNode):
-    """Take an Imu and `compass/data`, publish `odom` and `stationary`."""
+    """Take an Imu, `compass/data` and what aids it, publish `odom` and `stationary`."""
 
     def __init__(self) -> None:
         super().__init__('inertial_navigator', NAVIGATOR)
@@ -27,12 +33,13 @@ class InertialNavigatorNode(ChainNode):
         own = [self.configuration[part] for part in settings.detector_parts]
         prepare(self)
         navigator = InertialNavigator(settings, self.common, *own)
+        at = mountings(self, self.frames)
         self.connect(
-            Chain([navigator_stage(navigator, mountings(self, self.frames))]),
-            inputs=(settings.input, COMPASS),
-            outputs=(ODOMETRY, STATIONARY, STATISTIC, THRESHOLD),
+            Chain([navigator_stage(navigator, at, frames=self.frames)]),
+            inputs=navigator_inputs(settings),
+            outputs=(*navigator_outputs(settings), STATISTIC, THRESHOLD),
             on_demand=(STATISTIC, THRESHOLD),
-            optional=(COMPASS,),
+            optional=BESIDE,
         )
         serve(self, navigator)
 

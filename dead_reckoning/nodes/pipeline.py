@@ -10,7 +10,7 @@ from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
-from dead_reckoning.core.stages import COMPASS
+from dead_reckoning.core.stages import AIDING, BESIDE
 from dead_reckoning.live import LiveChain, suits
 from dead_reckoning.nodes import gravity_removal, inertial_navigator, integrator, pedometer
 from dead_reckoning.nodes.chain_node import ChainNode
@@ -36,7 +36,7 @@ class PipelineNode(ChainNode):
         pipeline = Pipeline(
             self.configuration, self._ending(settings), mountings(self, self.frames)
         )
-        inputs = [name for name in pipeline.inputs if from_topic or name == COMPASS]
+        inputs = [name for name in pipeline.inputs if from_topic or name in BESIDE]
         between = list(pipeline.between)
         driver = None if from_topic else driver_of(self.configuration)
         if driver is not None:
@@ -50,7 +50,7 @@ class PipelineNode(ChainNode):
             inputs=inputs,
             outputs=(*pipeline.outputs, *between),
             on_demand=between,
-            optional=() if self._needs_compass(pipeline) else (COMPASS,),
+            optional=AIDING if self._needs_compass(pipeline) else BESIDE,
         )
         if driver is not None:
             self.driver = driver(self, self.configuration)

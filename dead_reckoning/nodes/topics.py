@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from geometry_msgs.msg import AccelWithCovarianceStamped
-from nav_msgs.msg import Odometry
+from geometry_msgs.msg import (
+    AccelWithCovarianceStamped,
+    PoseWithCovarianceStamped,
+    TwistWithCovarianceStamped,
+)
+from nav_msgs.msg import Odometry, Path
 from rclpy.qos import QoSDurabilityPolicy, QoSHistoryPolicy, QoSProfile, QoSReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Imu
@@ -20,7 +24,10 @@ DEPTH = 100
 
 CLASSES = {
     'geometry_msgs/msg/AccelWithCovarianceStamped': AccelWithCovarianceStamped,
+    'geometry_msgs/msg/PoseWithCovarianceStamped': PoseWithCovarianceStamped,
+    'geometry_msgs/msg/TwistWithCovarianceStamped': TwistWithCovarianceStamped,
     'nav_msgs/msg/Odometry': Odometry,
+    'nav_msgs/msg/Path': Path,
     'sensor_msgs/msg/Imu': Imu,
     'std_msgs/msg/Bool': Bool,
     'std_msgs/msg/Float64': Float64,

@@ -9,7 +9,7 @@ from pathlib import Path
 from dead_reckoning.core.blocks import ImuBlock, Stamped
 from dead_reckoning.core.errors import RecordingError
 from dead_reckoning.core.parameters import Parts
-from dead_reckoning.core.stages import COMPASS, IMU, RAW
+from dead_reckoning.core.stages import BESIDE, COMPASS, IMU, RAW
 from dead_reckoning.sources import bags
 from dead_reckoning.sources.csv_recording import CsvRecording
 
@@ -43,7 +43,7 @@ def open_recording(
     """
     if path.suffix.lower() == '.csv' and not path.is_dir():
         table = CsvRecording(path, parts, rate)
-        names = tuple(name for name in inputs if name != COMPASS)
+        names = tuple(name for name in inputs if name not in BESIDE)
         return Recording(((names, block) for block in table.blocks()), len(table))
     chosen = choose(path, bags.topics(path), inputs, imu)
     length = bags.count(path, chosen)
@@ -70,7 +70,7 @@ def choose(
         raise RecordingError(f'{path}: no topic holds {bags.IMU}; there is {listed}')
     chosen: dict[str, list[str]] = {}
     for name in inputs:
-        if name == COMPASS:
+        if name in BESIDE:
             continue
         fitting = [imu] if imu else [t for t in imus if _is(t, name)]
         fitting = fitting or [t for t in imus if not _is(t, COMPASS)]

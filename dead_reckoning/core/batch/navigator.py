@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from dead_reckoning.core.batch import NOTHING, Run
@@ -14,11 +12,16 @@ from dead_reckoning.core.kernels.navigation.filter import regular
 from dead_reckoning.core.kernels.navigation.layout import ROW
 from dead_reckoning.core.mounting import Mountings, is_turned, unmounted
 from dead_reckoning.core.navigator import InertialNavigator
+from dead_reckoning.core.navigator_stage import StrideOutputs
 from dead_reckoning.core.samples import ZERO
 from dead_reckoning.core.stages import ODOMETRY
 
 
-def navigator_run(navigator: InertialNavigator, mountings: Mountings = unmounted) -> Run:
+def navigator_run(
+    navigator: InertialNavigator,
+    mountings: Mountings = unmounted,
+    strides: StrideOutputs | None = None,
+) -> Run:
     """Return what navigates by a block.
 
     Left to the stream are alignment, faults, gaps, a sensor that is turned on its body or off its
@@ -40,7 +43,11 @@ def navigator_run(navigator: InertialNavigator, mountings: Mountings = unmounted
         navigator._timeline._last_ns = int(stamps[-1])
         navigator._watch_compass(int(stamps[-1]))
         states = navigator.take(rows[:count], stamps)
-        outputs: list[Any] = [] if states is None else [(ODOMETRY, states)]
+        if states is None:
+            return count, []
+        outputs: list[Output] = [(ODOMETRY, states)]
+        if strides is not None:
+            outputs += strides.of_block(states)
         return count, outputs
 
     return run

@@ -295,6 +295,11 @@ class NavigatorSettings(Settings, prefix='navigator'):
         'Where the axle that is not steered is, seen from the sensor, in the axes of the body',
         unit='m', minimum=-1000.0, maximum=1000.0, length=3,
     )  # fmt: skip
+    smoothing: bool = parameter(
+        False,
+        'Smooth the way since the last stance when the next one ends, and publish it as '
+        'odom_smoothed and path',
+    )
     aiding_twist: bool = parameter(
         True, 'Take the velocities of aiding/twist, where there are any', mutable=True
     )

@@ -12,7 +12,7 @@ from typing import Any
 
 from dead_reckoning.core.blocks import Block, Stamped
 from dead_reckoning.core.common import FrameSettings
-from dead_reckoning.core.stages import COMPASS
+from dead_reckoning.core.stages import BESIDE
 from dead_reckoning.sources.bags import BagWriter
 from dead_reckoning.tools.replay.outputs import BLOCK_END, Takers
 from dead_reckoning.tools.replay.task import Task
@@ -34,7 +34,7 @@ def write(folder: Path, task: Task) -> Iterator[Takers]:
     pipeline, namespace = task.pipeline, task.recording.namespace
     names = [*pipeline.between, *pipeline.outputs]
     if namespace is None:
-        names = [*(name for name in pipeline.inputs if name != COMPASS), *names]
+        names = [*(name for name in pipeline.inputs if name not in BESIDE), *names]
     known = topics(task.configuration[FrameSettings])
     spoken = {name: known[name] for name in dict.fromkeys(names)}
     full = {name: f'{namespace or "/"}{name}' for name in spoken}
