@@ -5,29 +5,27 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from moving_state import LEVEL_WALK, STATE, jacobian, measurements, placed
 from scipy.spatial.transform import Rotation
 from simulated_drives import driven, length, navigated_drive, way
 from simulated_walks import (
     START_NS,
     blocks_of,
-    filtered,
     measured,
     navigator,
-    streamed,
     walk,
 )
 
 from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.errors import MissingAttitudeError, NotLevelledError, StaleCompassError
 from dead_reckoning.core.kernels.navigation import layout
-from dead_reckoning.core.navigation.aids import NO_AIDS
+from dead_reckoning.core.navigation.aids import aid_row
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.rotation import quaternion_from_euler
 from dead_reckoning.core.samples import NOT_MEASURED, ZERO, ImuSample
 from dead_reckoning.core.smoother import Smoother
 
-DT, DEGREE = 0.005, np.pi / 180.0
-LEVEL_WALK = walk(strides=12, turn=0.3, mounted=np.eye(3))
+DEGREE = np.pi / 180.0
 
 
 def compass(stamp_ns, yaw, deviation=2.5 * DEGREE):
@@ -63,59 +61,10 @@ def with_compass(walk, headings, found=None, **settings):
     return found, StateBlock.of(states + found.flush())
 
 
-STATE = {
-    'attitude': Rotation.from_euler('xyz', [0.5, -0.7, 2.0]),
-    'velocity': np.array([3.0, -1.0, 0.5]),
-    'rate': np.array([0.4, -0.3, 0.8]),
-    'rate_bias': np.array([0.01, -0.02, 0.005]),
-}
-
-
-def placed(**settings):
-    """Return rules and a state in which all errors are known a little, and a moving sample."""
-    found = navigator(look_ahead=0.0, acceleration_noise=1e-6, **settings)
-    streamed(found, LEVEL_WALK.block().part(0, 110))
-    state = found._state
-    state[layout.X_ATTITUDE : layout.X_ATTITUDE + 4] = STATE['attitude'].as_quat()
-    state[layout.X_VELOCITY : layout.X_VELOCITY + 3] = STATE['velocity']
-    state[layout.X_RATE_BIAS : layout.X_RATE_BIAS + 3] = STATE['rate_bias']
-    root = 1e-3 * np.random.default_rng(0).normal(size=(16, 16))
-    state[layout.COVARIANCE : layout.COVARIANCE + 256] = (root @ root.T).ravel()
-    row = np.array([[DT, *STATE['attitude'].inv().apply([0.0, 0.0, 9.81]), *STATE['rate'], 0.0]])
-    return found._rules, state, row
-
-
-def measurements(rules, state, row, aids=NO_AIDS):
-    """Return state before, and (H, innovation) of all that one sample measures."""
-    off = rules.copy()
-    off[[layout.NONHOLONOMIC, layout.GRAVITY_DIRECTION]] = 0.0
-    moving = np.array([[0.0, 1.0, 0.0]])
-    _, before, _ = filtered(off, state.copy(), row, moving)
-    _, after, log = filtered(rules, state, row, moving, aids)
-    log = log[: int(after[0, -1])]
-    return before[0, 16:33], [(entry[19:35], entry[2]) for entry in log]
-
-
-def jacobian(value, x):
-    """Return the derivatives of value(position, v, R, b_g, b_a) by the errors, numerically."""
-
-    def moved(e):
-        turn = Rotation.from_rotvec(e[6:9])
-        return value(
-            turn.apply(x[3:6]) + e[3:6], turn * Rotation.from_quat(x[13:17]), x[6:9] + e[9:12]
-        )
-
-    h, columns = 1e-6, []
-    for j in range(16):
-        e = np.zeros(16)
-        e[j] = h
-        columns.append((moved(e) - moved(-e)) / (2.0 * h))
-    return np.array(columns).T
-
-
 def test_what_a_compass_measures_is_the_yaw():
     rules, state, row = placed(compass_correlation=0.0)
-    aid = np.array([[0.0, layout.YAW, 0.3, 1e-4, 0.1, 0.0, *np.zeros(5)]])
+    values = (0.3, 1e-4, 0.1, 0.0, 0.0, layout.BY_COMPASS)
+    aid = np.array([aid_row(0, layout.YAW, values, 0)])
     rules[layout.AXIS_GATE] = 1e9
     x, ((h, innovation),) = measurements(rules, state, row, aid)
 
@@ -211,9 +160,10 @@ def test_yaw_that_drifts_follows_the_compass():
 def test_a_heading_is_taken_at_its_own_time():
     """One that is old is compared with the yaw that was, by the rate since."""
     rules, state, row = placed(compass_correlation=0.0, axis_gate=1e9)
-    aid = np.array([[0.0, layout.YAW, 0.3, 1e-4, 0.1, 0.0, *np.zeros(5)]])
+    values = (0.3, 1e-4, 0.1, 0.0, 0.0, layout.BY_COMPASS)
+    aid = np.array([aid_row(0, layout.YAW, values, 0)])
     old = aid.copy()
-    old[0, 5] = 0.2
+    old[0, 8] = 0.2
     x, ((h, now),) = measurements(rules, state.copy(), row, aid)
     _, ((_, then),) = measurements(rules, state.copy(), row, old)
     turn = Rotation.from_quat(x[13:17]).apply(STATE['rate'] - x[6:9])

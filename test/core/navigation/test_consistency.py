@@ -1,6 +1,7 @@
 """Errors beside the covariance that goes with them, over many simulated walks and drives."""
 
 from contextlib import suppress
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -35,7 +36,9 @@ def at_the_start(true, **settings):
         acceleration_bias=0.05, stance_velocity=1e-5, pivot=0.0, height=0.0, zero_rate=False,
         floor=False, look_ahead=0.0, **settings,
     ), []  # fmt: skip
-    found.record = lambda *given: kept.append([np.copy(each) for each in given])
+    found.history = SimpleNamespace(
+        add=lambda *given: kept.append([np.copy(each) for each in given])
+    )
     block = true.block()
     while not found.aligned:
         with suppress(NotLevelledError):

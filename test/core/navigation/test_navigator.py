@@ -2,6 +2,7 @@
 
 from contextlib import suppress
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -245,7 +246,9 @@ def test_blocks_give_what_the_stream_gives(detector):
 
 def test_covariances_are_those_of_position_velocity_attitude_and_rate():
     found, kept = navigator(), []
-    found.record = lambda *given: kept.append([np.copy(each) for each in given])
+    found.history = SimpleNamespace(
+        add=lambda *given: kept.append([np.copy(each) for each in given])
+    )
     streamed(found, WALK.block().part(0, 760))
     samples, verdicts = (np.concatenate([each[i] for each in kept]) for i in (0, 1))
     out, trace, _ = filtered(kept[0][4], kept[0][5], samples, verdicts)

@@ -1,5 +1,7 @@
 """The smoother against Rauch, Tung and Striebel's, and the laws it keeps."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from simulated_walks import filtered, measured, navigator, streamed, walk
@@ -11,16 +13,17 @@ from dead_reckoning.core.kernels.navigation import layout
 from dead_reckoning.core.kernels.navigation.layout import ERRORS
 from dead_reckoning.core.kernels.navigation.smoother import _undo, smooth
 from dead_reckoning.core.kernels.navigation.strapdown import carry
+from dead_reckoning.core.navigation import history
 from dead_reckoning.core.smoother import Smoother
 
 WALK = measured(walk(strides=4, turn=0.4), 1)
 
 
-def smoothed(block=None, stretch=1000, monkeypatch=None, **settings):
+def smoothed(block=None, stretch=200, monkeypatch=None, **settings):
     """Return filtered and smoothed states of a walk."""
     if monkeypatch is not None:
-        monkeypatch.setattr(module, 'STRETCH', stretch)
-        monkeypatch.setattr(smoother_module, 'STRETCH', stretch)
+        for each in (module, smoother_module, history):
+            monkeypatch.setattr(each, 'STRETCH', stretch)
     found = navigator(**settings)
     record = Smoother(found)
     states = streamed(found, WALK.block() if block is None else block)
@@ -29,7 +32,9 @@ def smoothed(block=None, stretch=1000, monkeypatch=None, **settings):
 
 def test_it_is_that_of_rauch_tung_and_striebel():
     found, kept = navigator(floor=False), []
-    found.record = lambda *given: kept.append([np.copy(each) for each in given])
+    found.history = SimpleNamespace(
+        add=lambda *given: kept.append([np.copy(each) for each in given])
+    )
     streamed(found, WALK.block().part(0, 1100))
     samples = np.concatenate([each[0] for each in kept])
     verdicts = np.concatenate([each[1] for each in kept])
