@@ -1,0 +1,121 @@
+"""What is measured late is taken at its stamp: as if it had come at once."""
+
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from simulated_walks import START_NS, measured, navigator, walk
+
+from dead_reckoning.core.blocks import StateBlock
+from dead_reckoning.core.errors import AidingError, NotLevelledError
+from dead_reckoning.core.kernels.navigation import layout
+from dead_reckoning.core.navigation.history import STRETCH
+
+WALK = measured(walk(strides=4, turn=0.4, mounted=np.eye(3)), 1)
+BLOCK = WALK.block()
+TAKEN = layout.COUNTS + layout.AIDED + 2 * layout.BY_TWIST
+
+
+def velocity(index, deviation=0.05):
+    """Return values of a `VECTOR`: the true velocity at a sample, and one that is off."""
+    half = np.eye(3)[np.triu_indices(3)] * deviation**2
+    off = 0.03 * np.sin(index + np.arange(3))
+    return (
+        layout.WORLD_VELOCITY, layout.BY_TWIST, 0.1, *(WALK.velocity[index] + off), *half,
+        0.0, 0.0, 0.0,
+    )  # fmt: skip
+
+
+def walked(late, every=20, first=None, **settings):
+    """Return navigator and states of a walk whose velocity is told ``late`` samples later.
+
+    It keeps what it takes from the start on.
+    """
+    found = navigator(**settings)
+    found.keep()
+    states = []
+    for index in range(len(BLOCK)):
+        with suppress(NotLevelledError):
+            states += found.update(BLOCK.sample(index))
+        told = index - late
+        if told > 150 and told % every == 0:
+            found.follow(int(BLOCK.stamp_ns[told]), layout.VECTOR, velocity(told))
+    return found, StateBlock.of(states)
+
+
+@pytest.mark.parametrize('late', [1, 7, 40, 99])
+@pytest.mark.parametrize('look_ahead', [0.0, 0.045])
+def test_how_late_it_comes_does_not_matter(late, look_ahead):
+    prompt, _ = walked(0, look_ahead=look_ahead)
+    found, _ = walked(late, look_ahead=look_ahead)
+    for told in range(len(BLOCK) - late, len(BLOCK)):
+        if told % 20 == 0:
+            found.follow(int(BLOCK.stamp_ns[told]), layout.VECTOR, velocity(told))
+    for each in (prompt, found):
+        each.flush()
+        each._state[layout.LOGGED] = 0.0
+    assert prompt._state[TAKEN] > 80.0
+    np.testing.assert_array_equal(found._state, prompt._state)
+
+
+def test_what_comes_in_another_order_is_taken_in_that_of_its_stamps():
+    ends = []
+    for order in ((300, 310, 320), (320, 300, 310)):
+        found = navigator()
+        found.keep()
+        for index in range(360):
+            with suppress(NotLevelledError):
+                found.update(BLOCK.sample(index))
+        for index in order:
+            found.follow(int(BLOCK.stamp_ns[index]), layout.VECTOR, velocity(index))
+        ends.append(found._state)
+    np.testing.assert_array_equal(*ends)
+
+
+def test_only_what_may_still_be_needed_is_kept():
+    found, _ = walked(0)
+    rate = 200.0
+    assert found.history is not None
+    assert sum(s.count for s in found.history.stretches) < 0.5 * rate + 2 * STRETCH
+
+
+def test_what_is_too_old_is_refused_and_changes_nothing():
+    found, _ = walked(0)
+    before = found._state.copy()
+    stamp_ns = int(BLOCK.stamp_ns[-1]) - 600_000_000
+    with pytest.raises(AidingError, match=r'0\.600 s behind the Imu.* navigator\.aiding_delay'):
+        found.follow(stamp_ns, layout.VECTOR, velocity(300))
+    np.testing.assert_array_equal(found._state, before)
+    with pytest.raises(AidingError, match=r'1\.500 s ahead of the Imu: check the clocks'):
+        found.follow(int(BLOCK.stamp_ns[-1]) + 1_500_000_000, layout.VECTOR, velocity(300))
+
+
+def test_before_the_alignment_it_is_refused():
+    found = navigator()
+    with pytest.raises(NotLevelledError, match=r'still for 0\.5 s'):
+        found.follow(START_NS, layout.VECTOR, velocity(0))
+
+
+def test_the_first_ones_are_taken_though_nothing_was_kept_yet():
+    found = navigator()
+    for index in range(400):
+        with suppress(NotLevelledError):
+            found.update(BLOCK.sample(index))
+    for index in (360, 370):
+        found.follow(int(BLOCK.stamp_ns[index]), layout.VECTOR, velocity(index))
+    for index in range(400, 420):
+        found.update(BLOCK.sample(index))
+    assert found._state[TAKEN : TAKEN + 2].sum() == 2.0
+
+
+def test_a_restart_forgets_what_was_before():
+    found = navigator()
+    found.keep()
+    for block in (BLOCK, WALK.block(START_NS - 60_000_000_000)):
+        for index in range(400):
+            with suppress(NotLevelledError):
+                found.update(block.sample(index))
+    found.follow(int(block.stamp_ns[380]), layout.VECTOR, velocity(380))
+    with pytest.raises(AidingError, match='ahead of the Imu'):
+        found.follow(int(BLOCK.stamp_ns[380]), layout.VECTOR, velocity(380))
+    assert found._state[TAKEN : TAKEN + 2].sum() == 1.0
