@@ -1,0 +1,269 @@
+"""Velocities and poses of other frames and points; what is refused, and why."""
+
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from moving_state import LEVEL_WALK
+from scipy.spatial.transform import Rotation
+from simulated_walks import measured, navigator
+
+from dead_reckoning.core.aiding import Aiding
+from dead_reckoning.core.chain import FAULT, Chain
+from dead_reckoning.core.common import FrameSettings
+from dead_reckoning.core.errors import AidingError, NotFiniteError, NotLevelledError, SampleError
+from dead_reckoning.core.mounting import Mounting
+from dead_reckoning.core.navigator_stage import navigator_stage
+from dead_reckoning.core.rotation import quaternion_from_euler
+from dead_reckoning.core.samples import UNKNOWN, PoseSample, VelocitySample
+from dead_reckoning.core.stages import (
+    AIDING_ODOMETRY,
+    AIDING_POSE,
+    AIDING_TWIST,
+    ODOMETRY,
+    RAW,
+    SET_POSE,
+)
+
+WALK = measured(LEVEL_WALK, 1)
+BLOCK = WALK.block()
+NOW = 600
+STAMP = int(BLOCK.stamp_ns[NOW - 20])
+SMALL = (1e-4, 0.0, 0.0, 0.0, 1e-4, 0.0, 0.0, 0.0, 1e-4)
+HUGE = 1e6
+
+
+def begun(mounting=None, frames=None, until=NOW, **settings):
+    """Return a navigator on its way, and a chain of it."""
+    found = navigator(**settings)
+    found.keep()
+    stage = navigator_stage(found, lambda _: mounting or Mounting(), frames=frames)
+    chain = Chain([stage])
+    for index in range(until):
+        chain.push(RAW, BLOCK.sample(index))
+    return found, chain
+
+
+def velocity(value, frame_id='base_link', covariance=SMALL, stamp_ns=STAMP):
+    return VelocitySample(stamp_ns, frame_id, value, covariance)
+
+
+def pose(position=(0.0, 0.0, 0.0), yaw=0.0, **changes):
+    given = {
+        'stamp_ns': STAMP, 'frame_id': 'odom', 'position': position, 'position_covariance': SMALL,
+        'attitude': quaternion_from_euler(0.0, 0.0, yaw), 'attitude_covariance': SMALL,
+    }  # fmt: skip
+    return PoseSample(**{**given, **changes})
+
+
+def after(chain, count):
+    """Return the states of so many more samples."""
+    outputs = [o for k in range(NOW, NOW + count) for o in chain.push(RAW, BLOCK.sample(k))]
+    return [value for name, value in outputs if name == ODOMETRY]
+
+
+def faults(chain, name, sample):
+    return [str(value) for output, value in chain.push(name, sample) if output == FAULT]
+
+
+def test_the_frames_of_a_velocity_say_the_same():
+    """Of a sensor that is mounted askew and away, its body, the world: one velocity."""
+    turn = Rotation.from_euler('xyz', [0.3, -0.4, 1.9])
+    at = np.array([0.7, -0.2, 0.3])
+    rotation, rate = LEVEL_WALK.rotation[NOW - 20], LEVEL_WALK.rate[NOW - 20]
+    body = rotation.T @ LEVEL_WALK.velocity[NOW - 20]
+    there = body + np.cross(rate, at)
+    wheel = Mounting(tuple(turn.as_quat()), tuple(at))
+    spread = Rotation.from_euler('xyz', [0.5, 0.1, -0.8]).as_matrix() @ np.diag([0.02, 0.1, 0.3])
+    of_body = spread @ spread.T
+    of_sensor = turn.as_matrix().T @ of_body @ turn.as_matrix()
+    of_world = rotation @ of_body @ rotation.T
+    ends = []
+    for value, frame_id, covariance, settings in (
+        (there, 'base_link', of_body, {'twist_lever_arm': tuple(at)}),
+        (there, '', of_body, {'twist_lever_arm': tuple(at)}),
+        (rotation @ there, 'odom', of_world, {'twist_lever_arm': tuple(at)}),
+        (turn.inv().apply(there), 'wheel', of_sensor, {}),
+    ):
+        found = navigator(**settings)
+        found.keep()
+        mountings = {'wheel': wheel, 'imu_link': Mounting()}
+        stage = navigator_stage(found, mountings.__getitem__, frames=FrameSettings(mounting='tf'))
+        chain = Chain([stage])
+        for index in range(NOW):
+            chain.push(RAW, BLOCK.sample(index))
+        sample = velocity(tuple(value), frame_id, tuple(covariance.ravel()))
+        assert not chain.push(AIDING_TWIST, sample)
+        ends.append(found._state[:13].copy())
+    for end in ends[1:3]:
+        np.testing.assert_allclose(end[:6], ends[0][:6], atol=2e-2)
+    np.testing.assert_allclose(ends[1], ends[0], atol=1e-12)
+    np.testing.assert_allclose(ends[3], ends[0], atol=1e-9)
+
+
+def test_odometry_is_the_velocity_of_the_body_not_of_the_sensor():
+    arm = (0.5, 0.0, -1.0)
+    rate = LEVEL_WALK.rate[NOW - 20]
+    at_sensor = LEVEL_WALK.rotation[NOW - 20].T @ LEVEL_WALK.velocity[NOW - 20]
+    ends = []
+    for mounting, value in (
+        (Mounting(), at_sensor),
+        (Mounting(translation=arm), at_sensor - np.cross(rate, arm)),
+    ):
+        found, chain = begun(mounting)
+        assert not chain.push(AIDING_ODOMETRY, velocity(tuple(value)))
+        ends.append(found._state[:6].copy())
+    np.testing.assert_allclose(*ends, atol=2e-3)
+
+
+def test_each_can_be_switched_off_while_running():
+    found, chain = begun()
+    off = {'aiding_twist': False, 'aiding_odom': False, 'aiding_pose': False}
+    found.configure(found.settings.changed({f'navigator.{n}': v for n, v in off.items()}))
+    before = found._state.copy()
+    for name in (AIDING_TWIST, AIDING_ODOMETRY):
+        assert not chain.push(name, velocity((3.0, 0.0, 0.0)))
+    assert not chain.push(AIDING_POSE, pose((9.0, 9.0, 9.0)))
+    np.testing.assert_array_equal(found._state, before)
+
+
+def test_the_first_pose_places_the_body_and_later_ones_are_measured():
+    found, chain = begun()
+    assert not chain.push(AIDING_POSE, pose((100.0, -50.0, 7.0), 2.0))
+    assert found.counts['placed'] == 1
+    states = [v for n, v in chain.push(RAW, BLOCK.sample(NOW)) if n == ODOMETRY]
+    assert np.hypot(states[0].position[0] - 100.0, states[0].position[1] + 50.0) < 1.0
+    strides = found.strides.path_length
+    assert strides < 10.0  # it did not walk there
+    assert not chain.push(AIDING_POSE, pose((100.0, -50.0, 7.0), 2.0, stamp_ns=STAMP + 5_000_000))
+    assert found.counts['aiding_pose'] + found.counts['aiding_pose_refused'] == 1
+    assert found.counts['aiding_yaw'] + found.counts['aiding_yaw_refused'] == 1
+    assert found.counts['placed'] == 1
+
+
+def test_a_pose_without_a_yaw_places_but_does_not_turn():
+    found, chain = begun()
+    unknown = (HUGE, 0.0, 0.0, 0.0, HUGE, 0.0, 0.0, 0.0, HUGE)
+    before = found._state[13:17].copy()
+    assert not chain.push(AIDING_POSE, pose((100.0, 0.0, 0.0), 1.0, attitude_covariance=unknown))
+    np.testing.assert_allclose(found._state[13:17], before, atol=1e-3)
+    assert found._state[0] == pytest.approx(100.0, abs=1.0)
+
+
+def test_a_lever_arm_of_the_sensor_is_where_the_body_is_not():
+    arm = (0.5, 0.2, -1.0)
+    found, chain = begun(Mounting(translation=arm))
+    assert not chain.push(SET_POSE, pose((4.0, 5.0, 6.0), 1.0, stamp_ns=0))
+    states = after(chain, 9)  # by which the one that is placed now is filtered
+    assert states[-1].position == pytest.approx((4.0, 5.0, 6.0), abs=1e-3)
+    assert found.counts['placed'] == 1
+
+
+def test_a_pose_of_rviz_is_one_in_a_plane():
+    found, chain = begun()
+    height, tilt = found._state[2], found._state[13:17].copy()
+    flat = (0.25, 0.0, 0.0, 0.0, 0.25, 0.0, 0.0, 0.0, 0.0)
+    sample = pose(
+        (4.0, 5.0, 0.0), 1.0, position_covariance=flat,
+        attitude_covariance=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0685), stamp_ns=0,
+    )  # fmt: skip
+    assert not chain.push(SET_POSE, sample)
+    state = after(chain, 9)[-1]
+    assert state.position == pytest.approx((4.0, 5.0, height), abs=1e-3)
+    old, new = (Rotation.from_quat(q).as_euler('zyx') for q in (tilt, state.attitude))
+    assert new[1:] == pytest.approx(old[1:], abs=0.02)
+    assert new[0] == pytest.approx(1.0, abs=0.02)
+
+
+ONE = (-1.0, *[0.0] * 8)
+
+
+@pytest.mark.parametrize('name', [AIDING_TWIST, AIDING_ODOMETRY])
+@pytest.mark.parametrize(
+    ('covariance', 'said'),
+    [
+        (UNKNOWN, 'each axis needs a variance above 0, 1e6 where it is not measured'),
+        (ONE, 'each axis needs a variance above 0'),
+        ((1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0), 'no correlation of 1'),
+        ((float('nan'), *SMALL[1:]), 'nan'),
+    ],
+)
+def test_a_velocity_without_a_covariance_is_refused(name, covariance, said):
+    found, chain = begun()
+    before = found._state.copy()
+    (message,) = faults(chain, name, velocity((1.0, 0.0, 0.0), covariance=covariance))
+    assert said in message
+    np.testing.assert_array_equal(found._state, before)
+
+
+@pytest.mark.parametrize(
+    ('name', 'sample', 'said'),
+    [
+        (AIDING_TWIST, velocity((1.0, 0.0, 0.0), 'gps'), "'gps', which is neither the body"),
+        (AIDING_TWIST, velocity((float('nan'), 0.0, 0.0)), 'velocity is'),
+        (AIDING_POSE, pose(frame_id='map'), "'map', and the world of this filter is 'odom'"),
+        (AIDING_POSE, pose(position_covariance=UNKNOWN), 'covariance of the position'),
+        (AIDING_POSE, pose(attitude_covariance=ONE), 'covariance of the orientation'),
+        (AIDING_POSE, pose(attitude=(0.0, 0.0, 0.0, 0.0)), 'no rotation'),
+        (SET_POSE, pose(position_covariance=UNKNOWN), 'give each one above 0'),
+        (SET_POSE, pose(attitude_covariance=UNKNOWN), 'give each one above 0'),
+        (SET_POSE, pose(frame_id='map'), "'map'"),
+        (SET_POSE, pose(stamp_ns=STAMP - 3_000_000_000), 'behind the Imu'),
+        (AIDING_TWIST, velocity((1.0, 0.0, 0.0), stamp_ns=0), 'behind the Imu'),
+    ],
+)
+def test_what_can_not_be_used_is_refused_and_changes_nothing(name, sample, said):
+    found, chain = begun()
+    before, placed = found._state.copy(), found.counts['placed']
+    (message,) = faults(chain, name, sample)
+    assert said in message
+    np.testing.assert_array_equal(found._state, before)
+    assert found.counts['placed'] == placed
+    assert not faults(chain, AIDING_POSE, pose(stamp_ns=STAMP))  # the first one still places
+    assert found.counts['placed'] == 1
+
+
+def test_before_the_alignment_nothing_is_taken():
+    found, chain = begun(until=20)
+    (message,) = faults(chain, AIDING_TWIST, velocity((1.0, 0.0, 0.0)))
+    assert 'before the alignment' in message
+    assert not found.aligned
+
+
+numbers = st.floats(width=64)
+matrices = st.tuples(*[numbers] * 9)
+
+
+@given(
+    st.integers(-(2**31) * 10**9, 2**31 * 10**9),
+    st.sampled_from(['', 'odom', 'base_link', 'x']),
+    st.tuples(*[numbers] * 3),
+    matrices | st.just(SMALL),
+    st.tuples(*[numbers] * 4),
+    matrices | st.just(SMALL),
+)
+def test_whatever_comes_the_state_stays_finite(stamp_ns, frame_id, value, first, q, second):
+    found = navigator()
+    aiding = Aiding(found)
+    for index in range(130):
+        with suppress(NotLevelledError):
+            found.update(BLOCK.sample(index))
+    for at in (stamp_ns, int(BLOCK.stamp_ns[128])):
+        for take, sample in (
+            (aiding.take_twist, VelocitySample(at, frame_id, value, first)),
+            (aiding.take_odometry, VelocitySample(at, frame_id, value, first)),
+            (aiding.take_pose, PoseSample(at, frame_id, value, first, q, second)),
+            (aiding.set_pose, PoseSample(at, frame_id, value, first, q, second)),
+        ):
+            with suppress(SampleError):
+                take(sample)
+    for index in range(130, 150):
+        found.update(BLOCK.sample(index))
+    assert np.isfinite(found._state[: 17 + 256]).all()
+
+
+def test_errors_are_of_one_kind():
+    assert issubclass(AidingError, SampleError)
+    assert not issubclass(NotFiniteError, AidingError)
