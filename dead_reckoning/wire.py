@@ -198,7 +198,11 @@ def decode_odometry_twist(data: bytes) -> VelocitySample:
     at = _TEXT_AT + int.from_bytes(data[_TEXT_AT - 4 : _TEXT_AT], 'little')
     at += 4 + -at % 4
     child = data[at : at + int.from_bytes(data[at - 4 : at], 'little')].partition(b'\0')[0]
-    return VelocitySample(stamp_ns, child.decode(errors='replace'), d[43:46], _first(d[49:]))  # type: ignore[arg-type]
+    try:
+        frame_id = child.decode()
+    except UnicodeDecodeError as problem:
+        raise _no_message(data, 'Odometry', problem) from problem
+    return VelocitySample(stamp_ns, frame_id, d[43:46], _first(d[49:]))  # type: ignore[arg-type]
 
 
 def decode_pose_with_covariance(data: bytes) -> PoseSample:

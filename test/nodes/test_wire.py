@@ -4,10 +4,14 @@ import math
 import struct
 
 import pytest
-from geometry_msgs.msg import AccelWithCovarianceStamped
+from geometry_msgs.msg import (
+    AccelWithCovarianceStamped,
+    PoseWithCovarianceStamped,
+    TwistWithCovarianceStamped,
+)
 from hypothesis import example, given
 from hypothesis import strategies as st
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import Odometry, Path
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Bool, Float64, UInt32
@@ -15,15 +19,26 @@ from std_msgs.msg import Bool, Float64, UInt32
 from dead_reckoning import wire
 from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.core.errors import WireError
+from dead_reckoning.core.path import Path as Way
 from dead_reckoning.core.rotation import matrix_from_quaternion, rotate_back
 from dead_reckoning.core.samples import ImuSample, LinearAcceleration, NavigationState
-from dead_reckoning.core.stages import ACCELERATION, IMU, ODOMETRY
+from dead_reckoning.core.stages import (
+    ACCELERATION,
+    AIDING_ODOMETRY,
+    AIDING_POSE,
+    AIDING_TWIST,
+    IMU,
+    ODOMETRY,
+)
 from dead_reckoning.nodes.topics import decoder
 from dead_reckoning.topics import topics
 
 SPOKEN = topics(FrameSettings())
 decode_imu, decode_acceleration, decode_odometry = (
     decoder(SPOKEN[name]) for name in (IMU, ACCELERATION, ODOMETRY)
+)
+decode_twist, decode_wheels, decode_pose = (
+    decoder(SPOKEN[name]) for name in (AIDING_TWIST, AIDING_ODOMETRY, AIDING_POSE)
 )
 """What nodes read with: `wire`, and rclpy for what is no little-endian CDR."""
 
@@ -251,6 +266,66 @@ def test_a_frame_id_of_any_length_fits(letter):
                 assert decode_odometry(data).velocity == state.velocity
 
 
+def block(matrix, begin):
+    """Return a block of a covariance, shape (6, 6), row by row."""
+    return tuple(matrix[6 * (begin + i) + begin + j] for i in range(3) for j in range(3))
+
+
+@given(stamps, texts, tuples(6), tuples(36))
+def test_a_twist_is_read_as_rclpy_does(stamp_ns, frame_id, doubles, matrix):
+    message = header(TwistWithCovarianceStamped(), stamp_ns, frame_id)
+    fill(message.twist.twist.linear, 'xyz', doubles[:3])
+    fill(message.twist.twist.angular, 'xyz', doubles[3:])
+    message.twist.covariance = matrix
+    read = decode_twist(serialize_message(message))
+    assert (read.stamp_ns, read.frame_id) == (stamp_ns, frame_id)
+    assert same(read.velocity, doubles[:3])
+    assert same(read.covariance, block(matrix, 0))
+
+
+@given(states, texts, texts)
+def test_the_twist_of_odometry_is_that_of_the_child_frame(state, frame_id, child_frame_id):
+    message = odometry_message(state, frame_id, child_frame_id)
+    read = decode_wheels(serialize_message(message))
+    assert (read.stamp_ns, read.frame_id) == (state.stamp_ns, child_frame_id)
+    linear = message.twist.twist.linear
+    assert same(read.velocity, (linear.x, linear.y, linear.z))
+    assert same(read.covariance, block(message.twist.covariance.tolist(), 0))
+
+
+@given(stamps, texts, tuples(7), tuples(36))
+def test_a_pose_is_read_as_rclpy_does(stamp_ns, frame_id, doubles, matrix):
+    message = header(PoseWithCovarianceStamped(), stamp_ns, frame_id)
+    fill(message.pose.pose.position, 'xyz', doubles[:3])
+    fill(message.pose.pose.orientation, 'xyzw', doubles[3:])
+    message.pose.covariance = matrix
+    read = decode_pose(serialize_message(message))
+    assert (read.stamp_ns, read.frame_id) == (stamp_ns, frame_id)
+    assert same(read.position, doubles[:3])
+    assert same(read.attitude, doubles[3:])
+    assert same(read.position_covariance, block(matrix, 0))
+    assert same(read.attitude_covariance, block(matrix, 3))
+
+
+poses = st.lists(st.tuples(stamps, tuples(3), tuples(4)), min_size=1, max_size=5)
+
+
+@given(texts, poses)
+def test_a_path_is_read_by_rclpy(frame_id, poses):
+    data = wire.path_encoder(frame_id)(Way(tuple(poses)))
+    message = deserialize_message(data, Path)
+    assert len(data) == len(serialize_message(message))
+    for stamped, (stamp_ns, position, attitude) in zip(message.poses, poses, strict=True):
+        stamp = stamped.header.stamp
+        assert stamp.sec * NANOSECONDS + stamp.nanosec == stamp_ns
+        assert stamped.header.frame_id == message.header.frame_id == frame_id
+        at, turned = stamped.pose.position, stamped.pose.orientation
+        assert same((at.x, at.y, at.z), position)
+        assert same((turned.x, turned.y, turned.z, turned.w), attitude)
+    stamp = message.header.stamp
+    assert stamp.sec * NANOSECONDS + stamp.nanosec == poses[-1][0]
+
+
 def typed_imus():
     """Messages as others send them, which need not be what this package would write."""
 
@@ -339,6 +414,21 @@ DECODERS = [
         Odometry,
         wire.odometry_encoder('odom', 'base_link')(NavigationState(5, (1.0,) * 3, (2.0,) * 3)),
     ),
+    (
+        decode_wheels,
+        Odometry,
+        wire.odometry_encoder('odom', 'base_link')(NavigationState(5, (1.0,) * 3, (2.0,) * 3)),
+    ),
+    (
+        decode_twist,
+        TwistWithCovarianceStamped,
+        bytes(serialize_message(header(TwistWithCovarianceStamped(), 5, 'odom'))),
+    ),
+    (
+        decode_pose,
+        PoseWithCovarianceStamped,
+        bytes(serialize_message(header(PoseWithCovarianceStamped(), 5, 'odom'))),
+    ),
 ]
 
 
@@ -356,7 +446,8 @@ def read_or_refuse(decode, message_type, data):
     stamp = message.header.stamp
     assert read.stamp_ns == stamp.sec * NANOSECONDS + stamp.nanosec
     if hasattr(read, 'frame_id'):
-        assert read.frame_id == message.header.frame_id
+        frame_id = getattr(message, 'child_frame_id', message.header.frame_id)
+        assert read.frame_id == frame_id
     return read
 
 
