@@ -153,6 +153,7 @@ class Aiding:
             rot_bs = matrix_from_quaternion(mounting.rotation)
             velocity, arm = rotate(rot_bs, velocity), mounting.translation
             covariance = rotate_covariance(rot_bs, covariance)
+        covariance = _askew(covariance, velocity, self._navigator.settings.aiding_angle)
         told = (
             what, who, self._interval(who, sample.stamp_ns), *velocity, *_half(covariance),
             *_difference(arm, self._lever_arm()),
@@ -184,6 +185,13 @@ def _require(vector: Vector, covariance: Matrix, name: str) -> None:
         f'the covariance of the {name} is {covariance}: each axis needs a variance above 0, 1e6 '
         'where it is not measured, and no correlation of 1'
     )
+
+
+def _askew(covariance: Matrix, velocity: Vector, angle: float) -> Matrix:
+    """Add what axes that are askew by an angle, one sigma [rad], make of a velocity."""
+    variance = angle**2 * sum(v * v for v in velocity)
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = covariance
+    return (xx + variance, xy, xz, yx, yy + variance, yz, zx, zy, zz + variance)
 
 
 def _half(covariance: Matrix) -> tuple[float, ...]:

@@ -42,6 +42,7 @@ RULES = (
     'floor_deviation', 'floor_gate', 'floor_slope', 'max_gap', 'gap_speed', 'force_range',
     'rate_range', 'gravity_direction', 'held_velocity', 'held_time', 'nonholonomic', 'slip',
     'slip_angle', 'slip_time', 'averaging', 'rate_scale', 'aiding_gate', 'aiding_patience',
+    'aiding_correlation',
 )  # fmt: skip
 """Settings that the kernel takes as they are, under the same names."""
 

@@ -323,6 +323,22 @@ class NavigatorSettings(Settings, prefix='navigator'):
         minimum=0.0,
         maximum=1e6,
     )
+    aiding_angle: float = parameter(
+        0.0,
+        'One sigma of the angle by which the axes of what measures a velocity are askew to those '
+        'of the sensor; it adds to the covariance of the message',
+        unit='rad',
+        minimum=0.0,
+        maximum=1.0,
+    )
+    aiding_correlation: float = parameter(
+        0.0,
+        'How long what such a measurement is wrong by stays the same, as the slip of wheels: the '
+        'more there are in that time, the less each counts',
+        unit='s',
+        minimum=0.0,
+        maximum=1e6,
+    )
     aiding_delay: float = parameter(
         0.5,
         'How old a measurement may be: it is taken at its stamp, as the states since are kept',

@@ -42,8 +42,8 @@ BY_COMPASS, BY_TWIST, BY_ODOM, BY_POSE, BY_POSE_YAW, WITNESSES = range(6)
     STILL_DEVIATION, STILL_NOISE, SWAY, FLOOR_DEVIATION, FLOOR_GATE, FLOOR_SLOPE, MAX_GAP,
     GAP_SPEED, GAP_TURN, FORCE_RANGE, RATE_RANGE, AXIS_GATE, GRAVITY_DIRECTION, HELD_VELOCITY,
     HELD_TIME, NONHOLONOMIC, SLIP, SLIP_ANGLE, SLIP_TIME, AVERAGING, RATE_SCALE,
-    AXLE, AIDING_GATE, AIDING_PATIENCE, GRAVITY, STILL_SAMPLES, DELAY, RULES,
-) = (*range(36), *range(38, 44))  # fmt: skip
+    AXLE, AIDING_GATE, AIDING_PATIENCE, AIDING_CORRELATION, GRAVITY, STILL_SAMPLES, DELAY, RULES,
+) = (*range(36), *range(38, 45))  # fmt: skip
 """Elements of the rules: settings of these names (the axle has three), gravity [m/s²], samples of
 the still window, delay of the verdicts; and how many."""
 

@@ -10,6 +10,7 @@ from dead_reckoning.core.kernels.columns import Array, put, triple
 from dead_reckoning.core.kernels.navigation.layout import (
     AID_REFUSED,
     AIDED,
+    AIDING_CORRELATION,
     AIDING_GATE,
     AIDING_PATIENCE,
     ATTITUDE,
@@ -54,8 +55,9 @@ def follow_vector(aid: Array, rate: Vector, f: Filter) -> None:
     """Take a velocity or a position of a point of the body; ``rate`` [rad/s] is the sample's.
 
     Its axes are turned and scaled such that their errors are independent, of variance 1: with
-    L Lᵀ its covariance, L⁻¹ y and L⁻¹ H.  What stays in excess of the gate for longer than such an
-    error lasts shows that the filter is wrong, by as much as can be seen.
+    L Lᵀ its covariance, L⁻¹ y and L⁻¹ H.  Where an error lasts, the more there are in that time,
+    by the interval [s], the less each counts.  What is refused for too long shows that the filter
+    is wrong, by as much as can be seen.
     """
     state, rules, who = f.state, f.rules, int(aid[3])
     rows = np.zeros((3, ERRORS))
@@ -73,10 +75,11 @@ def follow_vector(aid: Array, rate: Vector, f: Filter) -> None:
         for i in range(3):
             f.p[of + i, of + i] += seen[i] * seen[i]
         state[AID_REFUSED + who] = 0.0
+    weaker = max(1.0, 2.0 * rules[AIDING_CORRELATION] / aid[4]) if aid[4] > 0.0 else 1.0
     for i in range(3):
         for a in range(ERRORS):
             f.h[a] = rows[i, a]
-        measure(f, y[i], 1.0)
+        measure(f, y[i], weaker)
     inject(f)
     state[COUNTS + AIDED + 2 * who] += 1.0
 
