@@ -67,6 +67,16 @@ def test_a_rest_shows_the_bias():
     np.testing.assert_allclose(found._state[6:9], bias, atol=5e-4)
 
 
+def test_a_tilt_and_a_bias_that_hide_each_other_do_not_carry_the_position_away():
+    """After a minute of rest the ways along the floor are as sure as the height."""
+    found = aligned()
+    take(found, round(60.0 / DT))
+    p = covariance(found)
+    assert p[12, 12] > 0.4**2  # the bias is as unknown as it was
+    np.testing.assert_allclose(np.diag(p)[:2], p[2, 2], rtol=0.05)
+    assert np.abs(p[:3, 12:15]).max() < 0.01 * np.sqrt(p[2, 2] * p[12, 12])
+
+
 def test_a_turning_stance_shows_none():
     found = aligned()
     before = found.counts['zero_rate']
