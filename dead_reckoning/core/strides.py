@@ -27,8 +27,8 @@ class Strides:
         self._last: Vector | None = None
 
     @property
-    def path_length(self) -> float:
-        """Length [m] of the way through all stances, that of a stance under way included."""
+    def distance(self) -> float:
+        """Way [m] through all stances, that of a stance under way included."""
         if self._left is None or self._last is None:
             return self._length
         return self._length + dist(self._left, self._last)
@@ -44,7 +44,7 @@ class Strides:
                 self.count += 1
             self._last = position
         elif self._last is not None:
-            self._length = self.path_length
+            self._length = self.distance
             self._left, self._last = self._last, None
 
 

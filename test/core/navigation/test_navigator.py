@@ -242,7 +242,7 @@ def test_blocks_give_what_the_stream_gives(detector):
         assert_same(in_blocks(found, block, cuts), StateBlock.of(one_by_one))
         assert found.counts == stream.counts
         assert found.strides.count == stream.strides.count
-        assert found.strides.path_length == pytest.approx(stream.strides.path_length, rel=1e-9)
+        assert found.strides.distance == pytest.approx(stream.strides.distance, rel=1e-9)
 
 
 def test_covariances_are_those_of_position_velocity_attitude_and_rate():
@@ -315,7 +315,7 @@ def test_a_walk_comes_out_as_it_was(gait):
     assert abs(states.position[-1, 2] - way[2]) < 0.02
     assert found.strides.count == 20
     strides = gait.get('stride_length', 1.4) * 20
-    assert found.strides.path_length == pytest.approx(strides, rel=0.005)
+    assert found.strides.distance == pytest.approx(strides, rel=0.005)
     still = np.linalg.norm(true.velocity, axis=1)[skipped:] == 0.0
     assert states.stationary[still].mean() > 0.9
     assert states.stationary[np.linalg.norm(true.velocity, axis=1)[skipped:] > 0.5].mean() < 0.01
@@ -490,4 +490,4 @@ def test_strides_are_counted_from_stance_to_stance():
         strides.update(True, (x + 0.01, y, z))
         strides.update(True, (x, y, z))
     assert strides.count == 2
-    assert strides.path_length == pytest.approx(0.1 + 1.0 + 0.5)
+    assert strides.distance == pytest.approx(0.1 + 1.0 + 0.5)
