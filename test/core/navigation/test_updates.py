@@ -228,6 +228,16 @@ def test_the_noise_of_the_sensor_is_no_motion():
     assert found.counts['zero_rate'] < before + 2000 + 40
 
 
+def test_biases_wander_over_a_gap_as_over_samples():
+    found = aligned(rate_walk=1e-3, acceleration_walk=2e-3)
+    before = np.diag(covariance(found)).copy()
+    row = np.array([[50.0, *REST.specific_force[0], 0.0, 0.0, 0.0, 0.0]])
+    filtered(found._rules, found._state, row, np.zeros((1, 3)))
+    grown = np.diag(covariance(found)) - before
+    np.testing.assert_allclose(grown[9:12], 50.0 * 1e-3**2, rtol=1e-6)
+    np.testing.assert_allclose(grown[12:15], 50.0 * 2e-3**2, rtol=1e-6)
+
+
 def test_after_a_gap_the_window_fills_anew():
     found = aligned()
     take(found, 100)
