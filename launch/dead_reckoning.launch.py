@@ -1,4 +1,8 @@
-"""Start the driver of the accelerometer and the nodes that make a position and steps of it."""
+"""Start the driver of the accelerometer and the nodes that make a position and steps of it.
+
+Where the configuration estimates by the inertial navigator, those of ``pipeline.estimators`` start
+instead, and the driver only where the argument or the configuration names its source.
+"""
 
 from pathlib import Path
 
@@ -7,10 +11,13 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
+from dead_reckoning.configuration import read_values
+from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.sources.driver_settings import DriverSettings
 
 PACKAGE = 'dead_reckoning'
-NODES = ('accelerometer_driver', 'gravity_removal', 'integrator', 'pedometer')
+DRIVER, NAVIGATOR = 'accelerometer_driver', 'inertial_navigator'
+NODES = (DRIVER, 'gravity_removal', 'integrator', 'pedometer')
 SHARE = Path(__file__).absolute().parents[1]
 RVIZ_CONFIG = SHARE / 'rviz' / 'dead_reckoning.rviz'
 AS_CONFIGURED = 'empty: as the configuration says'
@@ -68,15 +75,16 @@ def _nodes(context: LaunchContext) -> list[Node]:
             given[f'driver.{name}'] = argument(name)
     if argument('use_sim_time'):
         given['use_sim_time'] = argument('use_sim_time') == 'true'
+    config = _parameter_file(argument('config'))
     nodes = [
         Node(
             package=PACKAGE,
             executable=name,
             namespace=argument('namespace'),
-            parameters=[_parameter_file(argument('config')), *([given] if given else [])],
+            parameters=[config, *([given] if given else [])],
             output='screen',
         )
-        for name in NODES
+        for name in _executables(config, driven='driver.source' in given)
     ]
     if argument('rviz') == 'true':
         # Topics of the view are relative: it shows those of this namespace.
@@ -89,6 +97,17 @@ def _nodes(context: LaunchContext) -> list[Node]:
             )
         )
     return nodes
+
+
+def _executables(config: Path, driven: bool) -> list[str]:
+    try:
+        values = read_values(config)
+    except SettingsError:  # one section for each node, say; what is wrong the nodes tell
+        return list(NODES)
+    estimators = values.get('pipeline.estimators', ())
+    if NAVIGATOR not in estimators:
+        return list(NODES)
+    return [*([DRIVER] if driven or 'driver.source' in values else []), *estimators]
 
 
 def _parameter_file(config: str) -> Path:

@@ -75,6 +75,24 @@ def test_the_nodes_are_those_of_the_package():
     ]
 
 
+def test_a_preset_of_the_inertial_navigator_starts_it_instead(tmp_path):
+    def started(**arguments):
+        return [node.node_executable for node in nodes(**arguments)]
+
+    for preset in ('foot_mounted.yaml', 'inertial.yaml'):
+        assert started(config=preset) == ['inertial_navigator']
+    simulated = started(config='foot_mounted.yaml', source='simulated')
+    assert simulated == ['accelerometer_driver', 'inertial_navigator']
+    own = tmp_path / 'own.yaml'
+    own.write_text(
+        '/**: {ros__parameters: {driver.source: serial,'
+        ' pipeline.estimators: [pedometer, inertial_navigator]}}'
+    )
+    expected = ['accelerometer_driver', 'pedometer', 'inertial_navigator']
+    assert started(config=str(own)) == expected
+    assert started(config='robot_localization.yaml') == list(NODES)
+
+
 def test_rviz_starts_only_if_asked():
     assert [node.node_executable for node in nodes(rviz='true')] == [*NODES, 'rviz2']
 

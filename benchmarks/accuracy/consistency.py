@@ -113,8 +113,12 @@ def drive_as_assumed() -> Case:
 
 
 def gait_by_default() -> Case:
-    """Return the same foot with an ordinary sensor, and the settings of all feet."""
-    return Case('gait, settings of all feet', gait(), {}, FOOT, SWINGS, assumed=())
+    """Return the same foot with an ordinary sensor, and the settings of all feet.
+
+    But for `averaging`: what is simulated are values of an instant.
+    """
+    values = {**FOOT, 'navigator.averaging': 0.0}
+    return Case('gait, settings of all feet', gait(), {}, values, SWINGS, assumed=())
 
 
 CASES: tuple[Callable[[], Case], ...] = (
@@ -176,9 +180,10 @@ def _normalized(case: Case, seed: int) -> Array:
 def _errors(true: Walk, k: int, states: StateBlock, at: int) -> list[float]:
     found = Rotation.from_quat(states.attitude[at])
     turn = (Rotation.from_matrix(true.rotation[k]) * found.inv()).as_rotvec()
+    twist_b = true.rotation[k].T @ true.velocity[k]
     pairs = (
         (true.position[k] - states.position[at], states.position_covariance[at]),
-        (true.velocity[k] - states.velocity[at], states.velocity_covariance[at]),
+        (found.apply(twist_b) - states.velocity[at], states.velocity_covariance[at]),
         (turn, states.attitude_covariance[at]),
     )
     return [

@@ -116,7 +116,7 @@ def _drive(pipeline: Pipeline, recording: Recording) -> Way:
     if not states:
         raise RecordingError(f'{recording.name}: no rest to align at')
     strides = navigator.strides
-    return Way(StateBlock.of(states), strides.count, strides.path_length)
+    return Way(StateBlock.of(states), strides.count, strides.distance)
 
 
 def ways(recording: Recording, values: Values) -> dict[str, Way]:
@@ -132,7 +132,7 @@ def walked(states: StateBlock) -> Way:
     rows = zip(states.stationary.tolist(), states.position.tolist(), strict=True)
     for stationary, (x, y, z) in rows:
         strides.update(stationary, (x, y, z))
-    return Way(states, strides.count, strides.path_length)
+    return Way(states, strides.count, strides.distance)
 
 
 def landings(states: StateBlock) -> NDArray[np.int64]:

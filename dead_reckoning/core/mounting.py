@@ -121,7 +121,6 @@ def carried(
         velocity_covariance=_sum(
             state.velocity_covariance,
             rotate_covariance(rot_wb, cross_covariance(lever_arm, rate_covariance)),
-            cross_covariance(slower, attitude),
         ),
     )
 

@@ -132,7 +132,8 @@ class NavigationState:
         shapes (3,) [m] and (3, 3) [m²], frame w.
     ``velocity``, ``velocity_covariance``
         shapes (3,) [m/s] and (3, 3) [m²/s²], frame w (an Odometry message carries them in the
-        body's frame; the wire turns them).
+        body's frame; the wire turns them).  The covariance is that of the velocity as the body
+        sees it: a body whose heading is not known does not slide sideways.
     ``attitude``, ``attitude_covariance``
         quaternion that takes the body into w, and its covariance, shape (3, 3) [rad²], about the
         axes of w.

@@ -27,15 +27,15 @@ class Strides:
         self._last: Vector | None = None
 
     @property
-    def path_length(self) -> float:
-        """Length [m] of the way through all stances, that of a stance under way included."""
+    def distance(self) -> float:
+        """Way [m] through all stances, that of a stance under way included."""
         if self._left is None or self._last is None:
             return self._length
         return self._length + dist(self._left, self._last)
 
     def forget_stance(self) -> None:
         """Go on from elsewhere: the body was placed there, it did not walk."""
-        self._length, self._left, self._last = self.path_length, None, None
+        self._length, self._left, self._last = self.distance, None, None
 
     def update(self, stationary: bool, position: Vector) -> None:
         """Take the next state: whether the foot stands, and where, shape (3,) [m].
@@ -48,7 +48,7 @@ class Strides:
                 self.count += 1
             self._last = position
         elif self._last is not None:
-            self._length = self.path_length
+            self._length = self.distance
             self._left, self._last = self._last, None
 
 

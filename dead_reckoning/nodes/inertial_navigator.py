@@ -80,7 +80,7 @@ def figures(navigator: InertialNavigator) -> dict[str, object]:
         'statistic': f'{navigator.statistic:.4g}',
         'threshold': f'{navigator.threshold:.4g}',
         'strides': navigator.strides.count,
-        'path_length': f'{navigator.strides.path_length:.2f}',
+        'distance': f'{navigator.strides.distance:.2f}',
         **navigator.counts,
     }
 

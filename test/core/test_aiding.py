@@ -135,7 +135,7 @@ def test_the_first_pose_places_the_body_and_later_ones_are_measured():
     assert found.counts['placed'] == 1
     states = [v for n, v in chain.push(RAW, BLOCK.sample(NOW)) if n == ODOMETRY]
     assert np.hypot(states[0].position[0] - 100.0, states[0].position[1] + 50.0) < 1.0
-    strides = found.strides.path_length
+    strides = found.strides.distance
     assert strides < 10.0  # it did not walk there
     assert not chain.push(AIDING_POSE, pose((100.0, -50.0, 7.0), 2.0, stamp_ns=STAMP + 5_000_000))
     assert found.counts['aiding_pose'] + found.counts['aiding_pose_refused'] == 1

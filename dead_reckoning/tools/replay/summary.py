@@ -55,7 +55,8 @@ class Summary:
         self._walks: list[Strides] = []
         """Strides from each start on, where a navigator goes by stances."""
         navigator = pipeline.navigator
-        self._strides = navigator is not None and navigator.settings.zero_velocity
+        settings = None if navigator is None else navigator.settings
+        self._strides = bool(settings and settings.zero_velocity and not settings.nonholonomic)
 
     def takers(self) -> Mapping[str, Callable[[Any], object]]:
         """Return what it takes, by name."""
@@ -84,8 +85,8 @@ class Summary:
             'rate_hz': (self.samples - 1) / duration if duration > 0.0 else None,
             'steps': steps,
             'strides': way.get('strides', None if steps is None else steps // 2),
-            'distance_m': distance,
-            'path_length_m': None if last is None else way.get('path_length', self._path),
+            'distance_m': way.get('distance') if distance is None else distance,
+            'path_length_m': None if last is None else self._path,
             'end_position_m': None if last is None else last.position[-1].tolist(),
             'stationary_fraction': (
                 self._stationary / self._states if integrated and self._states else None
@@ -94,12 +95,12 @@ class Summary:
         }
 
     def way(self) -> dict[str, Any]:
-        """Return strides and path length [m] from stance to stance; empty without those."""
+        """Return strides and distance [m] from stance to stance; empty where no foot is."""
         if not self._strides:
             return {}
         return {
             'strides': sum(walk.count for walk in self._walks),
-            'path_length': sum(walk.path_length for walk in self._walks),
+            'distance': sum(walk.distance for walk in self._walks),
         }
 
     def _count(self, block: ImuBlock) -> None:

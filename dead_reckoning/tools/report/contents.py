@@ -107,8 +107,8 @@ class Contents:
         of the integrator or navigator.
     ``walked``, ``steps``
         of the pedometer.
-    ``strides``, ``path_length``
-        of a navigator, from stance to stance [m].
+    ``strides``, ``distance``
+        of a navigator on a foot, from stance to stance [m].
     ``faults``, ``notices``
         what was dropped or found; what was said, with its stamp [ns].
     """
@@ -123,7 +123,7 @@ class Contents:
     notices: Sequence[tuple[int, str]] = ()
     settings: Sequence[Setting] = ()
     strides: int | None = None
-    path_length: float | None = None
+    distance: float | None = None
 
 
 class Collector:

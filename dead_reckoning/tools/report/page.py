@@ -104,10 +104,10 @@ def _figures(contents: Contents, clock: Clock) -> str:
 
 
 def _way_figure(contents: Contents, states: Track) -> str:
-    if contents.strides is None or contents.path_length is None:
+    if contents.strides is None or contents.distance is None:
         return _figure('length of the way', metres(_length(states)), _speed(states))
     each = f'{contents.strides:,} strides'
-    return _figure('length of the way', metres(contents.path_length), each, _speed(states))
+    return _figure('from stance to stance', metres(contents.distance), each, _speed(states))
 
 
 def _figure(name: str, value: str, *more: str, marked: bool = False) -> str:

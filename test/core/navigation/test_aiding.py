@@ -62,7 +62,7 @@ def with_compass(walk, headings, found=None, **settings):
 
 
 def test_what_a_compass_measures_is_the_yaw():
-    rules, state, row = placed(compass_correlation=0.0)
+    rules, state, row = placed(compass_correlation=0.0, averaging=0.0)
     values = (0.3, 1e-4, 0.1, 0.0, 0.0, layout.BY_COMPASS)
     aid = np.array([aid_row(0, layout.YAW, values, 0)])
     rules[layout.AXIS_GATE] = 1e9
@@ -168,6 +168,9 @@ def test_a_heading_is_taken_at_its_own_time():
     _, ((_, then),) = measurements(rules, state.copy(), row, old)
     turn = Rotation.from_quat(x[13:17]).apply(STATE['rate'] - x[6:9])
     assert then - now == pytest.approx(0.2 * h[6:9] @ turn, rel=1e-6)
+    # The attitude is that of the middle of the time of which the sample is a mean.
+    yaw = Rotation.from_quat(x[13:17]).as_euler('xyz')[2]
+    assert now == pytest.approx(0.3 - yaw - 0.5 * DT * h[6:9] @ turn, rel=1e-6)
 
 
 def test_iron_on_the_way_is_refused_until_it_lasts_too_long():

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from simulated_walks import (
     MOUNTED,
     START_NS,
@@ -32,7 +33,8 @@ from dead_reckoning.core.errors import (
     SettingsError,
 )
 from dead_reckoning.core.kernels.navigation import layout
-from dead_reckoning.core.kernels.navigation.filter import navigate
+from dead_reckoning.core.kernels.navigation.filter import navigate, put_state
+from dead_reckoning.core.kernels.navigation.measurement import correct
 from dead_reckoning.core.navigation.aids import NO_AIDS
 from dead_reckoning.core.navigation.alignment import RULES
 from dead_reckoning.core.navigation.settings import NavigatorSettings
@@ -241,7 +243,7 @@ def test_blocks_give_what_the_stream_gives(detector):
         assert_same(in_blocks(found, block, cuts), StateBlock.of(one_by_one))
         assert found.counts == stream.counts
         assert found.strides.count == stream.strides.count
-        assert found.strides.path_length == pytest.approx(stream.strides.path_length, rel=1e-9)
+        assert found.strides.distance == pytest.approx(stream.strides.distance, rel=1e-9)
 
 
 def test_covariances_are_those_of_position_velocity_attitude_and_rate():
@@ -253,16 +255,34 @@ def test_covariances_are_those_of_position_velocity_attitude_and_rate():
     samples, verdicts = (np.concatenate([each[i] for each in kept]) for i in (0, 1))
     out, trace, _ = filtered(kept[0][4], kept[0][5], samples, verdicts)
     k = 680  # on the swing
-    v, p = out[k, 3:6], trace[k, 33:289].reshape(16, 16)
-    assert np.linalg.norm(v) > 0.5
-    jacobian = np.hstack([np.eye(3), np.cross(np.eye(3), v).T])  # δv = ξ + θ × v
-    shape = (3, 3)
+    p, shape = trace[k, 33:289].reshape(16, 16), (3, 3)
     np.testing.assert_allclose(out[k, 10:19].reshape(shape), p[:3, :3], rtol=1e-12)
-    expected = jacobian @ p[3:9, 3:9] @ jacobian.T
-    np.testing.assert_allclose(out[k, 19:28].reshape(shape), expected, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(out[k, 19:28].reshape(shape), p[3:6, 3:6], rtol=1e-12)
     np.testing.assert_allclose(out[k, 28:37].reshape(shape), p[6:9, 6:9], rtol=1e-12)
     noise = 0.005**2 * np.eye(3)  # common.rate_deviation
     np.testing.assert_allclose(out[k, 40:49].reshape(shape), p[9:12, 9:12] + noise, rtol=1e-12)
+
+
+def test_the_covariance_of_the_velocity_is_that_of_the_twist():
+    """Errors are drawn, put into the state as the filter would, and seen from the body."""
+    found = navigator()
+    streamed(found, WALK.block().part(0, 690))
+    x = found._state[: layout.X]
+    p = found._state[layout.COVARIANCE : layout.COVARIANCE + 256].reshape(16, 16)
+    p[6:9, 6:9] += 0.01 * np.eye(3)  # an attitude that is hardly known
+    found_twist = Rotation.from_quat(x[13:17]).inv().apply(x[3:6])
+    assert np.linalg.norm(found_twist) > 0.5
+    twists = []
+    for drawn in np.random.default_rng(0).multivariate_normal(np.zeros(16), p, 4000):
+        true = x.copy()
+        correct(true, drawn)
+        twists.append(Rotation.from_quat(true[13:17]).inv().apply(true[3:6]) - found_twist)
+    out = np.zeros(layout.STATE_ROW)
+    put_state(out, x, p, (0.0, 0.0, 0.0), 0.0, 0.0)
+    turn = Rotation.from_quat(out[6:10]).as_matrix()
+    published = turn.T @ out[19:28].reshape(3, 3) @ turn
+    spread = np.cov(np.transpose(twists))
+    np.testing.assert_allclose(spread, published, atol=0.1 * np.diag(published).max())
 
 
 def test_without_numba_it_gives_the_same():
@@ -298,7 +318,7 @@ def test_a_walk_comes_out_as_it_was(gait):
     assert abs(states.position[-1, 2] - way[2]) < 0.02
     assert found.strides.count == 20
     strides = gait.get('stride_length', 1.4) * 20
-    assert found.strides.path_length == pytest.approx(strides, rel=0.005)
+    assert found.strides.distance == pytest.approx(strides, rel=0.005)
     still = np.linalg.norm(true.velocity, axis=1)[skipped:] == 0.0
     assert states.stationary[still].mean() > 0.9
     assert states.stationary[np.linalg.norm(true.velocity, axis=1)[skipped:] > 0.5].mean() < 0.01
@@ -473,4 +493,4 @@ def test_strides_are_counted_from_stance_to_stance():
         strides.update(True, (x + 0.01, y, z))
         strides.update(True, (x, y, z))
     assert strides.count == 2
-    assert strides.path_length == pytest.approx(0.1 + 1.0 + 0.5)
+    assert strides.distance == pytest.approx(0.1 + 1.0 + 0.5)

@@ -67,6 +67,16 @@ def test_a_rest_shows_the_bias():
     np.testing.assert_allclose(found._state[6:9], bias, atol=5e-4)
 
 
+def test_a_tilt_and_a_bias_that_hide_each_other_do_not_carry_the_position_away():
+    """After a minute of rest the ways along the floor are as sure as the height."""
+    found = aligned()
+    take(found, round(60.0 / DT))
+    p = covariance(found)
+    assert p[12, 12] > 0.4**2  # the bias is as unknown as it was
+    np.testing.assert_allclose(np.diag(p)[:2], p[2, 2], rtol=0.05)
+    assert np.abs(p[:3, 12:15]).max() < 0.01 * np.sqrt(p[2, 2] * p[12, 12])
+
+
 def test_a_turning_stance_shows_none():
     found = aligned()
     before = found.counts['zero_rate']
@@ -216,6 +226,16 @@ def test_the_noise_of_the_sensor_is_no_motion():
     assert found.counts['zero_rate'] == before + 2000 - window + 1
     take(found, 400, rate=3.0 * random.normal(0.0, 0.007, (400, 3)))
     assert found.counts['zero_rate'] < before + 2000 + 40
+
+
+def test_biases_wander_over_a_gap_as_over_samples():
+    found = aligned(rate_walk=1e-3, acceleration_walk=2e-3)
+    before = np.diag(covariance(found)).copy()
+    row = np.array([[50.0, *REST.specific_force[0], 0.0, 0.0, 0.0, 0.0]])
+    filtered(found._rules, found._state, row, np.zeros((1, 3)))
+    grown = np.diag(covariance(found)) - before
+    np.testing.assert_allclose(grown[9:12], 50.0 * 1e-3**2, rtol=1e-6)
+    np.testing.assert_allclose(grown[12:15], 50.0 * 2e-3**2, rtol=1e-6)
 
 
 def test_after_a_gap_the_window_fills_anew():

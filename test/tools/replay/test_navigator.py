@@ -70,8 +70,11 @@ def test_causal_and_smoothed_states_and_strides(tmp_path, foot):
     assert len(smooth) == len(foot), 'the rest at the start is known in the end'
     summary = json.loads((tmp_path / 'out/summary.json').read_text())
     assert summary['strides'] == strides.count == 20
-    assert summary['path_length_m'] == pytest.approx(strides.path_length, rel=1e-9)
-    assert summary['steps'] is summary['distance_m'] is None
+    assert summary['distance_m'] == pytest.approx(strides.distance, rel=1e-9)
+    moved = np.linalg.norm(np.diff(states.position, axis=0), axis=1).sum()
+    assert summary['path_length_m'] == pytest.approx(moved)
+    assert moved > 1.02 * strides.distance  # a foot swings up and down
+    assert summary['steps'] is None
     assert summary['stationary_fraction'] == pytest.approx(np.mean(states.stationary))
     report = (tmp_path / 'out/report.html').read_text()
     assert '20 strides' in report
@@ -173,5 +176,13 @@ def test_a_held_body_has_no_strides(tmp_path, foot):
     result = run(job(path, tmp_path / 'out', ('summary', 'odometry'), **values))
     way = table(tmp_path / 'out/odometry.csv')
     moved = np.linalg.norm(np.diff([way[k] for k in ('px', 'py', 'pz')]), axis=0).sum()
-    assert result.figures['strides'] is None
+    assert result.figures['strides'] is result.figures['distance_m'] is None
     assert result.figures['path_length_m'] == pytest.approx(moved)
+
+
+def test_the_rests_of_a_vehicle_are_no_stances(tmp_path, foot):
+    path = write_bag(tmp_path / 'walk', flow(samples(foot)))
+    result = run(job(path, tmp_path / 'out', ('summary',), **{'navigator.nonholonomic': True}))
+    assert result.figures['strides'] is result.figures['distance_m'] is None
+    assert result.figures['path_length_m'] > 1.0
+    assert result.figures['stationary_fraction'] > 0.1

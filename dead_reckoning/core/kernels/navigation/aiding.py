@@ -9,6 +9,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     AID_REFUSED,
     AIDED,
     ATTITUDE,
+    AVERAGING,
     AXIS_GATE,
     AXLE,
     BOUND_REFUSED,
@@ -31,6 +32,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     SLIP,
     SLIP_ANGLE,
     SLIP_TIME,
+    STEP,
     VECTOR,
     VELOCITY,
     X_FORCE_BIAS,
@@ -105,7 +107,8 @@ def follow_yaw(aid: Array, rate: Vector, f: Filter) -> None:
         return
     h[ATTITUDE], h[ATTITUDE + 1], h[ATTITUDE + 2] = -z * x / level_part, -z * y / level_part, 1.0
     wx, wy, wz = rotate(rot_ws, added(rate, triple(state[X_RATE_BIAS : X_RATE_BIAS + 3]), -1.0))
-    turned = age * (h[ATTITUDE] * wx + h[ATTITUDE + 1] * wy + wz)
+    since = age - 0.5 * f.rules[AVERAGING] * state[STEP]  # a mean shows the middle of its time
+    turned = since * (h[ATTITUDE] * wx + h[ATTITUDE + 1] * wy + wz)
     innovation = _wrapped(yaw + turned - yaw_from_quaternion(attitude))
     excess = innovation * innovation > f.rules[AXIS_GATE] * (project(f) + variance)
     if not believed(f, AID_REFUSED + who, excess, interval, patience):

@@ -12,7 +12,6 @@ from dead_reckoning.core.kernels.columns import (
     matrix,
     measured,
     put,
-    triple,
     usable,
     vector,
 )
@@ -42,6 +41,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     STILL_SAMPLES,
     STOOD,
     TRACE_ROW,
+    VELOCITY,
     WAITING,
     X_ATTITUDE,
     X_POSITION,
@@ -219,12 +219,11 @@ def _put_trace(trace: Array, f: Filter, rate: Vector, noise: float) -> None:
 def put_state(out: Array, x: Array, p: Array, rate: Vector, noise: float, age: float) -> None:
     """Write what is published; of the covariance the first twelve rows and columns count.
 
-    δv = ξ − v × θ.  ``age`` [s] is by how much a sample, as a mean, is older than its stamp, to
-    which the attitude turns on; how far velocity and position come meanwhile is left to σ.
+    That of ξ is that of a twist, whose error is R̂ᵀ ξ.  ``age`` [s] is by how much a sample, as a
+    mean, is older than its stamp, to which the attitude turns on; velocity and position stay.
     """
-    v = triple(x[X_VELOCITY : X_VELOCITY + 3])
     for i in range(3):
-        out[i], out[3 + i] = x[X_POSITION + i], v[i]
+        out[i], out[3 + i] = x[X_POSITION + i], x[X_VELOCITY + i]
         out[37 + i] = rate[i] - x[X_RATE_BIAS + i]
     turn = (age * out[37], age * out[38], age * out[39])
     a = X_ATTITUDE
@@ -232,14 +231,8 @@ def put_state(out: Array, x: Array, p: Array, rate: Vector, noise: float, age: f
     for i in range(4):
         out[6 + i] = attitude[i]
     for i in range(3):
-        a, b = (i + 1) % 3, (i + 2) % 3
         for j in range(3):
             out[10 + 3 * i + j] = p[i, j]
+            out[19 + 3 * i + j] = p[VELOCITY + i, VELOCITY + j]
             out[28 + 3 * i + j] = p[ATTITUDE + i, ATTITUDE + j]
             out[40 + 3 * i + j] = p[RATE_BIAS + i, RATE_BIAS + j] + (noise if i == j else 0.0)
-            c, d = (j + 1) % 3, (j + 2) % 3
-            # Of δv_i with ξ_j and with the two parts of θ that turn v_j.
-            with_v = p[3 + i, 3 + j] + p[6 + a, 3 + j] * v[b] - p[6 + b, 3 + j] * v[a]
-            with_c = p[3 + i, 6 + c] + p[6 + a, 6 + c] * v[b] - p[6 + b, 6 + c] * v[a]
-            with_d = p[3 + i, 6 + d] + p[6 + a, 6 + d] * v[b] - p[6 + b, 6 + d] * v[a]
-            out[19 + 3 * i + j] = with_v + with_c * v[d] - with_d * v[c]

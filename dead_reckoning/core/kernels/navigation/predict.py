@@ -88,9 +88,7 @@ def predict(dt: float, force: Vector, rate: Vector, f: Filter, trace: Array) -> 
     if _reaches(rate, rules[RATE_RANGE]):
         of_rate += (rules[RATE_RANGE] * dt) ** 2
     spread(p, velocity, of_velocity, of_rate)
-    for i in range(3):
-        p[RATE_BIAS + i, RATE_BIAS + i] += rules[RATE_WALK] ** 2 * dt
-        p[FORCE_BIAS + i, FORCE_BIAS + i] += rules[ACCELERATION_WALK] ** 2 * dt
+    wander(dt, f)
     mirror(p)
     if len(trace):
         trace[0, 0] = dt
@@ -98,6 +96,14 @@ def predict(dt: float, force: Vector, rate: Vector, f: Filter, trace: Array) -> 
             trace[0, 1 + i] = rot_ws[i]
         put(trace[0, 10:13], way)
         put(trace[0, 13:16], velocity)
+
+
+def wander(dt: float, f: Filter) -> None:
+    """Let the biases wander."""
+    rules, p = f.rules, f.p
+    for i in range(3):
+        p[RATE_BIAS + i, RATE_BIAS + i] += rules[RATE_WALK] ** 2 * dt
+        p[FORCE_BIAS + i, FORCE_BIAS + i] += rules[ACCELERATION_WALK] ** 2 * dt
 
 
 def _unbiased(state: Array, begin: int, bias: int) -> Vector:
@@ -128,3 +134,4 @@ def skip(dt: float, f: Filter) -> None:
         p[VELOCITY + i, VELOCITY + i] = rules[GAP_SPEED] ** 2
         p[i, i] += (rules[GAP_SPEED] * dt) ** 2
         p[ATTITUDE + i, ATTITUDE + i] += (rules[GAP_TURN] * dt) ** 2
+    wander(dt, f)

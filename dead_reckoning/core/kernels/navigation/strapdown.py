@@ -84,8 +84,9 @@ def moved(
 def carry(m: Array, dt: float, gravity: float, rot: Matrix, way: Vector, v: Vector) -> None:
     """Multiply F · m in place, m of shape (16, n).
 
-    δp ← δp + Δt ξ − way × θ − ½ Δt² R δb_a,  ξ ← ξ + Δt g × θ − v × (Δt R δb_g) − Δt R δb_a,
-    θ ← θ − Δt R δb_g,  with the velocity v after the step and the matrix R before it.
+    δp ← δp + Δt ξ − way × θ + ½ Δt² (g × θ − R δb_a),  ξ ← ξ + Δt g × θ − v × (Δt R δb_g)
+    − Δt R δb_a,  θ ← θ − Δt R δb_g,  with the velocity v after the step and the matrix R before
+    it.  At rest a tilt and a bias that hide each other leave the position alone, too.
     """
     h, g = 0.5 * dt, gravity * dt
     r00, r01, r02 = dt * rot[0], dt * rot[1], dt * rot[2]
@@ -107,8 +108,8 @@ def carry(m: Array, dt: float, gravity: float, rot: Matrix, way: Vector, v: Vect
             r10 * x + r11 * y + r12 * z,
             r20 * x + r21 * y + r22 * z,
         )
-        m[0, j] += dt * m[3, j] - (cy * tz - cz * ty) - h * ax
-        m[1, j] += dt * m[4, j] - (cz * tx - cx * tz) - h * ay
+        m[0, j] += dt * m[3, j] - (cy * tz - cz * ty) + h * (g * ty - ax)
+        m[1, j] += dt * m[4, j] - (cz * tx - cx * tz) - h * (g * tx + ay)
         m[2, j] += dt * m[5, j] - (cx * ty - cy * tx) - h * az
         m[3, j] += g * ty - (vy * bz - vz * by) - ax
         m[4, j] += -g * tx - (vz * bx - vx * bz) - ay
@@ -131,8 +132,8 @@ def carry_back(m: Array, dt: float, gravity: float, rot: Matrix, way: Vector, v:
         )
         ux, uy, uz = x + h * px, y + h * py, z + h * pz
         m[3, j], m[4, j], m[5, j] = x + dt * px, y + dt * py, z + dt * pz
-        m[6, j] += cy * pz - cz * py - g * y
-        m[7, j] += cz * px - cx * pz + g * x
+        m[6, j] += cy * pz - cz * py - g * uy
+        m[7, j] += cz * px - cx * pz + g * ux
         m[8, j] += cx * py - cy * px
         m[9, j] -= dt * (rot[0] * sx + rot[3] * sy + rot[6] * sz)
         m[10, j] -= dt * (rot[1] * sx + rot[4] * sy + rot[7] * sz)
