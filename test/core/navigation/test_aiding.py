@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from moving_state import LEVEL_WALK, STATE, jacobian, measurements, placed
+from moving_state import DT, LEVEL_WALK, STATE, jacobian, measurements, placed
 from scipy.spatial.transform import Rotation
 from simulated_drives import driven, length, navigated_drive, way
 from simulated_walks import (

@@ -14,6 +14,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     AIDING_GATE,
     AIDING_PATIENCE,
     ATTITUDE,
+    AVERAGING,
     BODY_VELOCITY,
     COUNTS,
     ERRORS,
@@ -22,6 +23,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     PLACED,
     POSITION,
     RATE_BIAS,
+    STEP,
     VELOCITY,
     WORLD_POSITION,
     X_POSITION,
@@ -61,7 +63,8 @@ def follow_vector(aid: Array, rate: Vector, f: Filter) -> None:
     """
     state, rules, who = f.state, f.rules, int(aid[3])
     rows = np.zeros((3, ERRORS))
-    y = _innovation(int(aid[2]), triple(aid[5:8]), triple(aid[14:17]), aid[17], rate, f, rows)
+    since = aid[17] - 0.5 * rules[AVERAGING] * state[STEP]  # a mean shows the middle of its time
+    y = _innovation(int(aid[2]), triple(aid[5:8]), triple(aid[14:17]), since, rate, f, rows)
     seen = y
     y = _whiten(aid[8:14], y, rows)
     excess = _square(rows, y, f) > rules[AIDING_GATE]
@@ -85,12 +88,12 @@ def follow_vector(aid: Array, rate: Vector, f: Filter) -> None:
 
 
 def _innovation(
-    what: int, value: Vector, arm: Vector, age: float, rate: Vector, f: Filter, rows: Array
+    what: int, value: Vector, arm: Vector, since: float, rate: Vector, f: Filter, rows: Array
 ) -> Vector:
     """Write H, shape (3, 16), of a point r from the sensor; return by how much it is otherwise.
 
     u = v + R (ω − b_g) × r has the errors ξ + θ × û + R̂ [r]× δb_g, Rᵀ u those of ξ and δb_g alone,
-    R̂ᵀ ξ + [r]× δb_g; p + R r has δp + θ × R̂ r, and was u · age less when it was measured.
+    R̂ᵀ ξ + [r]× δb_g; p + R r has δp + θ × R̂ r, and was u · since less when it was measured.
     """
     state = f.state
     rot_ws = matrix_from_quaternion(attitude_of(state))
@@ -110,7 +113,7 @@ def _innovation(
         _turns(away, rows)
         for i in range(3):
             rows[i, POSITION + i] = 1.0
-        expected = added(added(triple(state[X_POSITION : X_POSITION + 3]), away, 1.0), u, -age)
+        expected = added(added(triple(state[X_POSITION : X_POSITION + 3]), away, 1.0), u, -since)
         return added(value, expected, -1.0)
     _turns(u, rows)
     for i in range(3):
