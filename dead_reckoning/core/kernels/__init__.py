@@ -26,6 +26,10 @@ INNER = {'error_model': 'numpy', 'forceinline': True}
 """How functions that kernels call are compiled; else each array of each call has its references
 counted, which takes a third of the time."""
 
+RARE = {'error_model': 'numpy'}
+"""How those are compiled that are `rare`: by themselves, which takes the less time the more they
+call."""
+
 SLOW = (
     'numba is not there, so this takes many times as long: pip install numba (or '
     'apt install python3-numba)'
@@ -46,6 +50,12 @@ def _numba() -> Any:
 def accelerated() -> bool:
     """Say whether kernels are compiled; imports numba."""
     return _numba() is not None
+
+
+def rare(function: Kernel) -> Kernel:
+    """Mark a function that kernels seldom call."""
+    function.rare = True  # type: ignore[attr-defined]
+    return function
 
 
 def compiled(function: Kernel) -> Kernel:
@@ -123,4 +133,5 @@ def _closed(function: Any) -> tuple[Any, str]:
 @cache
 def _callee(function: Any) -> tuple[Any, str]:
     clone, meaning = _closed(function)
-    return _numba().njit(clone, **INNER), f'{INNER}\n{meaning}'
+    options = RARE if getattr(function, 'rare', False) else INNER
+    return _numba().njit(clone, **options), f'{options}\n{meaning}'

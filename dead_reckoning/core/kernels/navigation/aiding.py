@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import floor, sqrt, tau
 
+from dead_reckoning.core.kernels import rare
 from dead_reckoning.core.kernels.columns import Array, put, triple
 from dead_reckoning.core.kernels.navigation.layout import (
     AID_REFUSED,
@@ -73,6 +74,7 @@ NO_TILT = 1.0
 """Variance of a tilt of which nothing is known [rad²]."""
 
 
+@rare
 def take_aid(aid: Array, rate: Vector, f: Filter) -> None:
     """Take what else is known of a sample; ``rate`` [rad/s] is the sample's."""
     if aid[1] == LEVEL:
