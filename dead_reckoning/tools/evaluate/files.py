@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterator, Sequence
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -128,6 +128,11 @@ def _check_order(path: Path, stamp_ns: NDArray[np.int64]) -> None:
             f'{path}: stamps do not increase: {stamp_ns[row]} comes after {stamp_ns[row - 1]} ns '
             f'({len(back)} times in all); compare one run at a time, in order'
         )
+
+
+def has_rows(path: Path) -> bool:
+    """Say whether a table has more than its header."""
+    return any(line.strip() for line in list(islice(_lines(path), 2))[1:])
 
 
 def _header(path: Path) -> list[str]:

@@ -131,6 +131,16 @@ def test_counted_steps_and_paced_distance(folder):
     assert evaluation['trajectory']['loop_closure_m'] < 0.04
 
 
+def test_steps_without_a_heading_have_a_count_and_a_distance(folder):
+    (folder / 'odometry.csv').unlink()
+    write(folder / 'pedestrian.csv', [','.join(ODOMETRY_COLUMNS)])
+    status, evaluation = evaluate(folder, '--steps', 9, '--distance', 7.5)
+    assert status == 0
+    assert evaluation['steps']['estimate'] == 10
+    assert list(evaluation['distance_m']) == ['steps']
+    assert 'trajectory' not in evaluation
+
+
 def test_walk_without_steps_is_a_walk(folder):
     write(folder / 'steps.csv', ['stamp_ns,step,step_length,distance'])
     _, evaluation = evaluate(folder, '--steps', 0)
