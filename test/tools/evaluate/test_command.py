@@ -280,3 +280,24 @@ def record(path, kind):
                 )
             writer.write(connection, stamp_ns, store.serialize_cdr(message, name))
     return path
+
+
+def test_a_folder_is_no_output(folder, truth, capsys):
+    (folder / 'more').mkdir()
+    (folder / 'more/precious').write_text('')
+    assert evaluate(folder, '--truth', truth, '--output', folder / 'more')[0] == 2
+    assert '--output' in capsys.readouterr().err
+    assert (folder / 'more/precious').exists()
+
+
+@pytest.mark.parametrize(
+    ('line', 'words'),
+    [
+        ('1.7e18 0 0 0 0 0 0 1', '1.7e\\+18 is no timestamp in seconds'),
+        ('2 1e300 0 0 0 0 0 1', 'pose 2 is at'),
+    ],
+)
+def test_numbers_without_a_meaning_are_refused(folder, tmp_path, capsys, line, words):
+    truth = write(tmp_path / 'truth.tum', ['1 0 0 0 0 0 0 1', line])
+    assert evaluate(folder, '--truth', truth) == (2, None)
+    assert re.search(words, capsys.readouterr().err)
