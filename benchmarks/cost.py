@@ -56,7 +56,7 @@ PIPELINES: dict[str, dict[str, Any]] = {
         'navigator.look_ahead': 0.0,  # else the last ones would wait for more
     },
 }
-HELD_TO_TARGETS = ('pipeline', 'pipeline, attitude from message')
+HELD_TO_TARGETS = tuple(name for name in PIPELINES if name != 'pipeline, kalman')
 
 ORDINARY, LEAN = 'ordinary relay', 'lean relay'
 RELAYS = {ORDINARY: 'typed', LEAN: 'lean'}
