@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable
 from threading import Event, Thread
 
-from dead_reckoning.core.kernels import accelerated, kept
+from dead_reckoning.core.kernels import SLOW, accelerated, kept
 from dead_reckoning.core.kernels.columns import Array
 from dead_reckoning.core.kernels.live import take
 from dead_reckoning.core.kernels.memory import nothing
@@ -42,7 +42,9 @@ def load(node: ChainNode, chain: LiveChain) -> None:
 
     def work() -> None:
         chain.kernel = _loaded()
-        if chain.kernel is None and accelerated() and _compiled(ends):
+        if chain.kernel is None and not accelerated():
+            node.get_logger().warning(SLOW)
+        elif chain.kernel is None and _compiled(ends):
             chain.kernel = _loaded()
 
     thread = Thread(target=work, name='loading')

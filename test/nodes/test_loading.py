@@ -118,3 +118,15 @@ def test_where_nothing_is_kept_it_starts_at_once_and_ends_while_compiling(
     assert node.end(signal.SIGINT) == 0
     assert 'Traceback' not in node.stderr
     assert not compiler.exists()
+
+
+def test_without_numba_it_says_so_once_and_goes_on(tmp_path, monkeypatch, request):
+    (tmp_path / 'numba.py').write_text('raise ImportError')
+    path = os.pathsep.join([str(tmp_path), os.environ.get('PYTHONPATH', '')])
+    monkeypatch.setenv('PYTHONPATH', path)
+    node, _, said, feed = request.getfixturevalue('running')
+    feed.send_until(lambda: 'numba is not there' in node.stderr, 'the reason')
+    feed.send_until(lambda: said.of('pipeline'), 'figures')
+    assert taken(said) == 0
+    assert node.end(signal.SIGINT) == 0
+    assert node.stderr.count('numba is not there') == 1

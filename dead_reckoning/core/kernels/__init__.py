@@ -27,8 +27,8 @@ INNER = {'error_model': 'numpy', 'forceinline': True}
 counted, which takes a third of the time."""
 
 SLOW = (
-    'numba is not there, so this takes many times as long: pip install numba (or '
-    'apt install python3-numba)'
+    'numba is not there, or NUMBA_DISABLE_JIT is set, so this takes many times as long: '
+    'pip install numba (or apt install python3-numba)'
 )
 """What a tool says once where `accelerated` is false."""
 
