@@ -37,7 +37,7 @@ class Sums(NamedTuple):
 def state_of(watch: Watch) -> Array:
     """Return the state before the first sample."""
     width = watch.behind + watch.ahead + 1
-    queues = _length(LASTING * width) + _length(watch.memory)
+    queues = _length(LASTING * width - 1) + _length(watch.memory)
     return np.zeros(START + 6 * width + 3 * watch.minimum + queues)
 
 
@@ -80,9 +80,10 @@ def judge(statistic: float, rules: Array, state: Array, verdict: Array) -> None:
     begin = START + 6 * width
     recent = state[begin : begin + 3 * minimum].reshape((minimum, 3))
     begin += 3 * minimum
-    middle = begin + _length(LASTING * width)
-    lasting = _least(state[begin:middle], LASTING * width - 1, j, statistic)
-    if j < LASTING * width - 1:
+    span = LASTING * width - 1
+    middle = begin + _length(span)
+    lasting = _least(state[begin:middle], span, j, statistic)
+    if j < span:
         lasting = 0.0
     swing = -_least(state[middle : middle + _length(memory)], memory, j, -lasting)
     threshold = max(rules[FLOOR], rules[SHARE] * swing)
