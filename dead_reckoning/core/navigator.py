@@ -37,8 +37,7 @@ from dead_reckoning.core.navigation.detection import detector_of
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigation.states import counts_of, state_block, state_of
 from dead_reckoning.core.parameters import Settings
-from dead_reckoning.core.rest import check_gravity
-from dead_reckoning.core.rest_search import RestSearch, Stillness
+from dead_reckoning.core.rest_search import Stillness
 from dead_reckoning.core.samples import NANOSECONDS, UNKNOWN, ImuSample, NavigationState
 from dead_reckoning.core.stamps import Timeline
 from dead_reckoning.core.strides import Strides, count_strides
@@ -115,7 +114,7 @@ class InertialNavigator:
         self.strides = Strides()
         """From stance to stance, up to the last state."""
         self._alignment = Alignment(self.settings)
-        self._search: RestSearch | None = None
+        self._search: Alignment | None = None
         self._aids = Aids()
         self._to_north = False  # whether the yaw is one of a compass
         self._heard = self._silent = False  # a compass, ever, and lately
@@ -161,7 +160,7 @@ class InertialNavigator:
         and then nothing changed.
         """
         if self.aligned:
-            self._search = RestSearch(self.settings, with_rate=True)
+            self._search = Alignment(self.settings)
         else:
             self._alignment.clear()
         return self._levelling.begin()
@@ -215,7 +214,7 @@ class InertialNavigator:
             states = self.flush()
             self._detector.reset()
             if self.levelling:
-                self._search = RestSearch(self.settings, with_rate=True)
+                self._search = Alignment(self.settings)
             self.findings.append(
                 GapError(
                     f'no samples for {dt:.3g} s: the position is held and its uncertainty grows; '
@@ -336,6 +335,7 @@ class InertialNavigator:
     def _start(self, rest: Rest) -> None:
         """Build detector and filter for a rest."""
         self._detector = detector_of(self.settings, self._of_detectors, rest.gravity, rest.rate)
+        self._detector.learn(rest.rows)
         self._rate = rest.rate
         self._rules = self._rules_with(rest.gravity)
         stamp_ns = int(rest.stamps[-1])
@@ -354,18 +354,18 @@ class InertialNavigator:
         rules[layout.GRAVITY] = gravity
         return rules
 
-    def _look_for_rest(self, search: RestSearch, imu: ImuSample) -> None:
+    def _look_for_rest(self, search: Alignment, imu: ImuSample) -> None:
         try:
-            still = search.add(imu)
-            if still is None:
-                return
-            check_gravity(still.force.mean)
+            rest = search.add(imu, self._variance(imu))
+        except NotLevelledError:
+            return
         except (NotAtRestError, GravityError) as error:
             self._search = None
             self._levelling.fail(error)
         else:
             self._search = None
-            self._level_at(still, imu.stamp_ns)
+            self._detector.learn(rest.rows)
+            self._level_at(rest.still, imu.stamp_ns)
             self._levelling.succeed(self.aligned)
 
     def _level_at(self, still: Stillness, stamp_ns: int) -> None:

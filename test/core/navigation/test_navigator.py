@@ -449,7 +449,7 @@ def test_covariance_stays_one_for_ten_hours():
 
 def test_settings_of_the_detector_are_taken():
     kind = detector_class('shoe')
-    found = navigator(kind.Settings(least=1.5, most=1.5))
+    found = navigator(kind.Settings(least=1.5))
     at_rest(found)
     assert found.threshold == 1.5
 
