@@ -38,7 +38,15 @@ from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigation.states import counts_of, state_block, state_of
 from dead_reckoning.core.parameters import Settings
 from dead_reckoning.core.rest_search import Stillness
-from dead_reckoning.core.samples import NANOSECONDS, UNKNOWN, ImuSample, NavigationState
+from dead_reckoning.core.rotation import matrix_from_quaternion
+from dead_reckoning.core.samples import (
+    IDENTITY,
+    NANOSECONDS,
+    UNKNOWN,
+    ImuSample,
+    NavigationState,
+    Quaternion,
+)
 from dead_reckoning.core.stamps import Timeline
 from dead_reckoning.core.strides import Strides, count_strides
 from dead_reckoning.core.work import Work
@@ -91,6 +99,7 @@ class InertialNavigator:
             settings.compass_timeout, common.turn_deviation, common.attitude_deviation
         )
         self._levelling = Work()
+        self._mounted = IDENTITY
         self._row = np.zeros((1, layout.ROW))
         self._stamp = np.zeros(1, np.int64)
         self._verdict = np.zeros((1, 3))
@@ -122,6 +131,12 @@ class InertialNavigator:
         self._state: Array = np.zeros(0)
         self._rules: Array = np.zeros(0)
 
+    def mount(self, rotation: Quaternion) -> None:
+        """Learn what takes the axes of the sensor into those in which its samples come."""
+        self._mounted = matrix_from_quaternion(rotation)
+        if self.aligned:
+            self._rules = self._rules_with(self._rules[layout.GRAVITY])
+
     @property
     def restarts(self) -> int:
         """How often the stamps went back by more than 1 s."""
@@ -148,8 +163,8 @@ class InertialNavigator:
         """Take over what may change, all at once, between two samples."""
         mutable = {p.key: getattr(settings, p.name) for p in settings.parameters() if p.mutable}
         self.settings = self.settings.changed(mutable)
-        if not self.settings.compass:
-            self._aids.clear()
+        if not self.settings.compass and self._aids.drop(layout.YAW, layout.NORTH):
+            self._to_north = False
         if self.aligned:
             self._rules = self._rules_with(self._rules[layout.GRAVITY])
 
@@ -352,6 +367,7 @@ class InertialNavigator:
     def _rules_with(self, gravity: float) -> Array:
         rules = rules_of(self.settings, self._gap_turn, self._rate, self._detector.delay)
         rules[layout.GRAVITY] = gravity
+        rules[layout.MOUNTED : layout.MOUNTED + 9] = self._mounted
         return rules
 
     def _look_for_rest(self, search: Alignment, imu: ImuSample) -> None:

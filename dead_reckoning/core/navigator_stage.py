@@ -37,8 +37,11 @@ class BodyStates:
 
     def turned(self, imu: ImuSample) -> ImuSample:
         """Return a sample in the axes of the body; raises `MissingMountingError`."""
-        self.mounting = self._mountings(imu.frame_id)
-        return self.mounting.to_body(imu)
+        mounting = self._mountings(imu.frame_id)
+        if mounting is not self.mounting:
+            self.mounting = mounting
+            self._navigator.mount(mounting.rotation)
+        return mounting.to_body(imu)
 
     def of(self, state: NavigationState) -> NavigationState:
         """Return the state of the body, of the next state that the navigator gave."""

@@ -1,6 +1,7 @@
 """The inertial navigator in a chain: what it gives, of a body it is mounted on, to the end."""
 
 import dataclasses
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -187,3 +188,27 @@ def test_a_pedometer_beside_it_walks_along_its_own_heading():
     found = outputs(pipeline.chain, samples(walk()))
     assert {IMU, ODOMETRY, 'pedometer/steps'} <= found.keys()
     assert UNKNOWN not in [s.angular_velocity_covariance for s in found[ODOMETRY]]
+
+
+def test_full_scale_is_that_of_an_axis_of_the_sensor(strides):
+    """However it is mounted: what clips is counted once, and what only looks like it is not."""
+    most = 20.0
+    clipped = replace(strides, force=np.clip(strides.force, -most, most))
+    counts = []
+    for mounting in (Mounting(), Mounting(quaternion_from_euler(0.6, -0.8, 0.7))):
+        found = navigator(force_range=most)
+        outputs(Chain([navigator_stage(found, lambda _, m=mounting: m)]), samples(clipped))
+        counts.append(found.counts['saturated'])
+    reached = (np.abs(clipped.force).max(axis=1) >= 0.999 * most).sum()
+    assert counts == [reached, reached]
+    assert reached > 50
+
+
+def test_a_sensor_in_g_is_told_from_one_that_moves(strides):
+    """As long as it does not align, not only when a rest ends."""
+    in_g = replace(strides, force=strides.force / 9.80665)
+    found = outputs(Chain([navigator_stage(navigator())]), samples(in_g)[:350])
+    said = [str(error) for error in found[FAULT]]
+    assert all('keep the device still' in text for text in said[:99])
+    assert sum('waiting for rest: at rest the specific force is 1.0' in t for t in said[99:]) > 200
+    assert not any('keep the device still' in text for text in said[100:])

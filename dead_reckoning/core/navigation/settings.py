@@ -309,7 +309,11 @@ class NavigatorSettings(Settings, prefix='navigator'):
         0.05, 'Over how long a detector looks', unit='s', minimum=0.0, maximum=10.0
     )
     minimum: float = parameter(
-        0.02, 'How long a rest is at least', unit='s', minimum=0.0, maximum=10.0
+        0.02,
+        'How long a rest is at least, as far as look_ahead reaches',
+        unit='s',
+        minimum=0.0,
+        maximum=10.0,
     )
     look_ahead: float = parameter(
         0.045,

@@ -32,9 +32,10 @@ a rest (6), their variances."""
     STILL_DEVIATION, STILL_NOISE, SWAY, FLOOR_DEVIATION, FLOOR_GATE, FLOOR_SLOPE, MAX_GAP,
     GAP_SPEED, GAP_TURN, FORCE_RANGE, RATE_RANGE, AXIS_GATE, GRAVITY_DIRECTION, HELD_VELOCITY,
     HELD_TIME, NONHOLONOMIC, SLIP, SLIP_ANGLE, SLIP_TIME, COMPASS_CORRELATION, AVERAGING,
-    RATE_SCALE, AXLE, GRAVITY, STILL_SAMPLES, DELAY, RULES,
-) = (*range(37), 39, 40, 41, 42)  # fmt: skip
-"""Elements of the rules: settings of these names (the axle has three), gravity [m/s²], samples of
+    RATE_SCALE, AXLE, MOUNTED, GRAVITY, STILL_SAMPLES, DELAY, RULES,
+) = (*range(37), 39, 48, 49, 50, 51)  # fmt: skip
+"""Elements of the rules: settings of these names (the axle has three), rotation of
+the sensor on the body (9), gravity [m/s²], samples of
 the still window, delay of the verdicts; and how many."""
 
 X_POSITION, X_VELOCITY, X_RATE_BIAS, X_FORCE_BIAS, X_FLOOR, X_ATTITUDE, X = 0, 3, 6, 9, 12, 13, 17
