@@ -92,10 +92,12 @@ class InertialNavigator:
             settings.compass_timeout, common.turn_deviation, common.attitude_deviation
         )
         self._levelling = Work()
-        self._row = np.zeros((1, layout.ROW))
+        self.row = np.zeros((1, layout.ROW))
+        """The last sample, as the filter takes it."""
+        self.out = np.zeros((1, layout.STATE_ROW))
+        """A state, as the filter gives it."""
         self._stamp = np.zeros(1, np.int64)
         self._verdict = np.zeros((1, 3))
-        self._out = np.zeros((1, layout.STATE_ROW))
         self._start_over()
 
     def reset(self) -> None:
@@ -222,18 +224,22 @@ class InertialNavigator:
                     'if the sensor is that slow, raise navigator.max_gap'
                 )
             )
-        if self._heard:
-            self._watch_compass(imu.stamp_ns)
         if self._search is not None:
             self._look_for_rest(self._search, imu)
-        row = self._row
-        row[0] = (dt, *imu.specific_force, *imu.angular_velocity, self._variance(imu))
-        self._stamp[0] = imu.stamp_ns
-        done = self._filter(row, self._stamp, self._verdict, self._out)
-        self._waiting.append(imu.stamp_ns)
-        if done:
-            states.append(self._state_of(self._out[0].tolist()))
+        self.row[0] = (dt, *imu.specific_force, *imu.angular_velocity, self._variance(imu))
+        stamp_ns = self.advance(imu.stamp_ns)
+        if stamp_ns is not None:
+            states.append(state_of(stamp_ns, self.out[0].tolist()))
         return states
+
+    def advance(self, stamp_ns: int) -> int | None:
+        """Filter the sample in `row`; return the stamp of the state in `out`, if one is known."""
+        if self._heard:
+            self._watch_compass(stamp_ns)
+        self._stamp[0] = stamp_ns
+        done = self._filter(self.row, self._stamp, self._verdict, self.out)
+        self._waiting.append(stamp_ns)
+        return self._take_note(self.out[0].tolist()) if done else None
 
     def flush(self) -> list[NavigationState]:
         """Return the states that wait for what the detector has not seen yet, as at the end."""
@@ -241,11 +247,11 @@ class InertialNavigator:
         if not count:
             return []
         delay = self._detector.delay
-        rows = np.repeat(self._row, delay, axis=0)  # what comes is like the last, for all we know
+        rows = np.repeat(self.row, delay, axis=0)  # what comes is like the last, for all we know
         rows[:, 0] = -1.0
         out = np.empty((delay, layout.STATE_ROW))
         done = self._filter(rows, NO_STAMPS, np.empty((delay, 3)), out)
-        return [self._state_of(values) for values in out[:done].tolist()]
+        return [state_of(self._take_note(values), values) for values in out[:done].tolist()]
 
     def take(self, samples: Array, stamps: Stamps) -> StateBlock | None:
         """Take samples in columns, as kernels have them; return the states known now, if any.
@@ -263,7 +269,7 @@ class InertialNavigator:
             self._waiting = deque(waiting[count:].tolist())
             filtered.append(waiting[:count])
             done += count
-        self._row[0] = samples[-1]
+        self.row[0] = samples[-1]
         if not done:
             return None
         block = state_block(np.concatenate(filtered), out[:done])
@@ -295,11 +301,12 @@ class InertialNavigator:
         self.statistic, self.threshold = values[49], values[50]
         self.stationary = values[51] > 0.0
 
-    def _state_of(self, values: list[float]) -> NavigationState:
+    def _take_note(self, values: list[float]) -> int:
+        """Take note of the next state; return its stamp [ns]."""
         self._note(values)
-        state = state_of(self._waiting.popleft(), values)
-        self.strides.update(state.stationary, state.position)
-        return state
+        x, y, z = values[:3]
+        self.strides.update(self.stationary, (x, y, z))
+        return self._waiting.popleft()
 
     def _variance(self, imu: ImuSample) -> float:
         covariance = imu.angular_velocity_covariance

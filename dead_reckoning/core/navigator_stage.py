@@ -90,6 +90,7 @@ def navigator_stage(
     navigator: InertialNavigator,
     mountings: Mountings = unmounted,
     body: BodyStates | None = None,
+    rest: RestOutput | None = None,
 ) -> Stage:
     """Take an Imu with a rate of turn, and a compass; give the state of the body, rest on change.
 
@@ -97,7 +98,7 @@ def navigator_stage(
     brings the last of them.  What the detector goes by comes with them.
     """
     body = body or BodyStates(navigator, mountings)
-    rests = RestOutput()
+    rests = rest or RestOutput()
 
     def give(states: Iterable[NavigationState]) -> list[Output]:
         outputs: list[Output] = []
