@@ -46,14 +46,15 @@ PIPELINE: dict[str, Any] = {
     'gravity.attitude': 'rest',
 }
 ORIENTED = {'gravity.attitude': 'message', 'pedometer.input': IMU}
+NAVIGATOR = {**PIPELINE, 'navigator.look_ahead': 0.0}  # else the last ones would wait for more
 PIPELINES: dict[str, dict[str, Any]] = {
     'pipeline': PIPELINE,
     'pipeline, attitude from message': {**PIPELINE, **ORIENTED},
     'pipeline, kalman': {**PIPELINE, 'integrator.method': 'kalman'},
-    'pipeline, inertial navigator': {
-        **PIPELINE,
-        'pipeline.estimators': ['inertial_navigator'],
-        'navigator.look_ahead': 0.0,  # else the last ones would wait for more
+    'pipeline, inertial navigator': {**NAVIGATOR, 'pipeline.estimators': ['inertial_navigator']},
+    'pipeline, inertial navigator and pedometer': {
+        **NAVIGATOR,
+        'pipeline.estimators': ['inertial_navigator', 'pedometer'],
     },
 }
 HELD_TO_TARGETS = tuple(name for name in PIPELINES if name != 'pipeline, kalman')
@@ -192,12 +193,12 @@ def cpu_per_message(rounds: int, seconds: float) -> list[str]:
         costs[name].append(run.cpu)
         lost[name] += run.lost
     print(f'\n1. CPU time per message at {RATE:g} Hz, {rounds} rounds of {seconds:g} s')
-    print(f'   {"":32} {"median":>8} {"spread":>13} {"/ ordinary":>11} {"/ lean":>7}   lost')
+    print(f'   {"":42} {"median":>8} {"spread":>13} {"/ ordinary":>11} {"/ lean":>7}   lost')
     faults = []
     for name in names:
         ratios = {relay: ratio(costs[name], costs[relay]) for relay in RELAYS}
         print(
-            f'   {name:32} {statistics.median(costs[name]):5.0f} µs '
+            f'   {name:42} {statistics.median(costs[name]):5.0f} µs '
             f'{min(costs[name]):5.0f} to {max(costs[name]):4.0f} '
             f'{ratios[ORDINARY]:11.2f} {ratios[LEAN]:7.2f}   {lost[name]}'
         )
@@ -317,7 +318,8 @@ def start_and_memory(rounds: int, minutes: float) -> list[str]:
     if median > START_TARGET:
         faults.append(f'first Odometry after {median:.2f} s, at most {START_TARGET:g} allowed')
     if minutes > 0.0:
-        faults += soak('pipeline', minutes, 30.0, RATE)
+        for shape in ('pipeline', 'navigator'):
+            faults += soak(shape, minutes, 30.0, RATE)
     return faults
 
 

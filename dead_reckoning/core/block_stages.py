@@ -72,6 +72,7 @@ def navigator_block_stage(
     navigator: InertialNavigator,
     mountings: Mountings = unmounted,
     body: BodyStates | None = None,
+    rest: RestOutput | None = None,
 ) -> Stage:
     """Give what `navigator_stage` gives, in blocks, without what the detector goes by."""
     stage = navigator_stage(navigator, mountings, body)
@@ -82,7 +83,7 @@ def navigator_block_stage(
         return [(ODOMETRY, StateBlock.of(states))] if states else []
 
     stages: Stage = {**blockwise(stage, {navigator.settings.input: run}), END: end}
-    return _with_rests(stages, RestOutput())
+    return _with_rests(stages, rest or RestOutput())
 
 
 def pedometer_block_stage(

@@ -93,6 +93,7 @@ def navigator_stage(
     navigator: InertialNavigator,
     mountings: Mountings = unmounted,
     body: BodyStates | None = None,
+    rest: RestOutput | None = None,
 ) -> Stage:
     """Take an Imu with a rate of turn, and a compass; give the state of the body, rest on change.
 
@@ -100,7 +101,7 @@ def navigator_stage(
     brings the last of them.  What the detector goes by comes with them.
     """
     body = body or BodyStates(navigator, mountings)
-    rests = RestOutput()
+    rests = rest or RestOutput()
 
     def give(states: Iterable[NavigationState]) -> list[Output]:
         outputs: list[Output] = []
@@ -114,10 +115,13 @@ def navigator_stage(
     def take(imu: ImuSample) -> list[Output]:
         turned = body.turned(imu)
         restarts, aligned = navigator.restarts, navigator.aligned
+        outputs: list[Output] = []
         try:
-            outputs = give(navigator.update(turned))
+            if navigator.begins_anew(turned):
+                outputs += give(navigator.flush())
+            outputs += give(navigator.update(turned))
         except SampleError as error:
-            outputs = [(FAULT, error)]
+            outputs.append((FAULT, error))
         if navigator.restarts != restarts:
             outputs.append((FAULT, RestartError('the stamps went back: looking for rest anew')))
         if navigator.aligned and navigator.aligned is not aligned:

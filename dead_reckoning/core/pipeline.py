@@ -155,7 +155,7 @@ class Pipeline:
             own = [parts[part] for part in navigator.detector_parts]
             self.navigator = InertialNavigator(navigator, common, *own)
             self.body = BodyStates(self.navigator, mountings)
-            stages.append(make.navigator(self.navigator, mountings, self.body))
+            stages.append(make.navigator(self.navigator, mountings, self.body, self.rest))
             self.outputs += (ODOMETRY, STATIONARY)
             if not blocks:
                 self.between += (STATISTIC, THRESHOLD)
@@ -178,7 +178,7 @@ class _Stages(NamedTuple):
     gravity: Callable[[GravityRemoval, Mountings], Stage]
     integrator: Callable[[Integrator, Mountings, RestOutput], Stage]
     pedometer: Callable[[Pedometer, StepOdometry, Mountings, StepOutputs], Stage]
-    navigator: Callable[[InertialNavigator, Mountings, BodyStates], Stage]
+    navigator: Callable[[InertialNavigator, Mountings, BodyStates, RestOutput], Stage]
 
 
 def _stages(blocks: bool) -> _Stages:
@@ -198,8 +198,8 @@ def _stages(blocks: bool) -> _Stages:
 
 
 def _navigator_stage(
-    navigator: InertialNavigator, mountings: Mountings, body: BodyStates
+    navigator: InertialNavigator, mountings: Mountings, body: BodyStates, rest: RestOutput
 ) -> Stage:
     from dead_reckoning.core.navigator_stage import navigator_stage
 
-    return navigator_stage(navigator, mountings, body)
+    return navigator_stage(navigator, mountings, body, rest)

@@ -91,6 +91,18 @@ STATE_ROW = 52
 """Columns of a state: position, velocity, attitude (10); their covariances (27); rate and its
 covariance (12); statistic, threshold, stationary."""
 
+
+def state_columns(rows: Array) -> tuple[Array, ...]:
+    """Return position, velocity, attitude, their covariances, rate and its covariance of states.
+
+    Columns, shapes (n, 3), (n, 3), (n, 4), (n, 9) three times, (n, 3) and (n, 9).
+    """
+    return (
+        rows[:, 0:3], rows[:, 3:6], rows[:, 6:10], rows[:, 10:19], rows[:, 19:28],
+        rows[:, 28:37], rows[:, 37:40], rows[:, 40:49],
+    )  # fmt: skip
+
+
 TRACE_ROW = 294
 """Columns of what the smoother needs of a sample: step, matrix before it, way, velocity (16); what
 is estimated (17) and its covariance (256); rate and its variance (4); end of its log."""
