@@ -48,7 +48,7 @@ accuracy: $(if $(DATA),$(ready))  ## measure on real recordings: DATA=folder
 
 # The parts that there are: live nodes, replays, each estimator.
 benches := $(wildcard $(patsubst %,benchmarks/%.py,cost replay_speed estimators))
-bench: $(ready)  ## what all costs: CPU, rates, latency, memory, replays; ARGS=--quick for a glance
+bench: $(ready_to_test)  ## what all costs: CPU, rates, latency, memory, replays; ARGS=--quick for a glance
 	@status=0; for bench in $(basename $(notdir $(benches))); do \
 	  ($(python) -m benchmarks.$$bench $(ARGS)) || status=1; done; exit $$status
 

@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Any, NamedTuple
 
@@ -29,6 +29,9 @@ from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import IMU, ODOMETRY, gravity_input
 
 RATE = 1000.0
+RATES = (200.0, RATE)
+"""Where latency is looked at [Hz]."""
+
 PATIENCE = 20.0
 """How long [s] the first Odometry may take."""
 
@@ -43,17 +46,18 @@ PIPELINE: dict[str, Any] = {
     'gravity.attitude': 'rest',
 }
 ORIENTED = {'gravity.attitude': 'message', 'pedometer.input': IMU}
+NAVIGATOR = {**PIPELINE, 'navigator.look_ahead': 0.0}  # else the last ones would wait for more
 PIPELINES: dict[str, dict[str, Any]] = {
     'pipeline': PIPELINE,
     'pipeline, attitude from message': {**PIPELINE, **ORIENTED},
     'pipeline, kalman': {**PIPELINE, 'integrator.method': 'kalman'},
-    'pipeline, inertial navigator': {
-        **PIPELINE,
-        'pipeline.estimators': ['inertial_navigator'],
-        'navigator.look_ahead': 0.0,  # else the last ones would wait for more
+    'pipeline, inertial navigator': {**NAVIGATOR, 'pipeline.estimators': ['inertial_navigator']},
+    'pipeline, inertial navigator and pedometer': {
+        **NAVIGATOR,
+        'pipeline.estimators': ['inertial_navigator', 'pedometer'],
     },
 }
-HELD_TO_TARGETS = ('pipeline', 'pipeline, attitude from message')
+HELD_TO_TARGETS = tuple(name for name in PIPELINES if name != 'pipeline, kalman')
 
 ORDINARY, LEAN = 'ordinary relay', 'lean relay'
 RELAYS = {ORDINARY: 'typed', LEAN: 'lean'}
@@ -166,31 +170,35 @@ def session(name: str) -> Iterator[Session]:
         yield Session(candidate, publisher, listener)
 
 
+def in_turn(names: Sequence[str], rounds: int) -> Iterator[str]:
+    """Yield each name once a round, in another order each round."""
+    for number in range(rounds):
+        yield from (names[(number + place) % len(names)] for place in range(len(names)))
+
+
+def ratio(own: Sequence[float], others: Sequence[float]) -> float:
+    """Return the median of the ratios of the rounds."""
+    return statistics.median(a / b for a, b in zip(own, others, strict=True))
+
+
 def cpu_per_message(rounds: int, seconds: float) -> list[str]:
     """Print row 1: CPU time per message at 1 kHz; return what is wrong."""
     names = [*PIPELINES, *RELAYS]
     costs: dict[str, list[float]] = {name: [] for name in names}
     lost = dict.fromkeys(names, 0)
-    for number in range(rounds):
-        for place in range(len(names)):
-            name = names[(number + place) % len(names)]
-            with session(name) as candidate:
-                candidate.warm_up(2.0)
-                run = candidate.run(RATE, seconds)
-            costs[name].append(run.cpu)
-            lost[name] += run.lost
+    for name in in_turn(names, rounds):
+        with session(name) as candidate:
+            candidate.warm_up(2.0)
+            run = candidate.run(RATE, seconds)
+        costs[name].append(run.cpu)
+        lost[name] += run.lost
     print(f'\n1. CPU time per message at {RATE:g} Hz, {rounds} rounds of {seconds:g} s')
-    print(f'   {"":32} {"median":>8} {"spread":>13} {"/ ordinary":>11} {"/ lean":>7}   lost')
+    print(f'   {"":42} {"median":>8} {"spread":>13} {"/ ordinary":>11} {"/ lean":>7}   lost')
     faults = []
     for name in names:
-        ratios = {
-            relay: statistics.median(
-                own / other for own, other in zip(costs[name], costs[relay], strict=True)
-            )
-            for relay in RELAYS
-        }
+        ratios = {relay: ratio(costs[name], costs[relay]) for relay in RELAYS}
         print(
-            f'   {name:32} {statistics.median(costs[name]):5.0f} µs '
+            f'   {name:42} {statistics.median(costs[name]):5.0f} µs '
             f'{min(costs[name]):5.0f} to {max(costs[name]):4.0f} '
             f'{ratios[ORDINARY]:11.2f} {ratios[LEAN]:7.2f}   {lost[name]}'
         )
@@ -230,24 +238,38 @@ def highest_rate(candidate: Session, seconds: float) -> Run:
     return best
 
 
-def rates_and_latencies(seconds: float) -> list[str]:
+def rates_and_latencies(rounds: int, seconds: float) -> list[str]:
     """Print row 2: highest rate without loss, and latencies; return what is wrong."""
-    print('\n2. Highest rate without loss; latency from publishing to Odometry received')
-    print(f'   {"":32} {"rate":>9}      {"at":>6}   {"p50":>6} {"p99":>7} {"max":>8}')
-    faults = []
-    for name in COMPARED:
+    highest: dict[str, list[float]] = {name: [] for name in COMPARED}
+    runs: dict[tuple[str, float], list[Run]] = {(n, r): [] for n in COMPARED for r in RATES}
+    for name in in_turn(COMPARED, rounds):
         with session(name) as candidate:
             candidate.warm_up(2.0)
-            runs = [candidate.run(rate, 2.0 * seconds) for rate in (200.0, RATE)]
-            highest = f'{highest_rate(candidate, seconds).rate:6.0f} Hz'
-        for run in runs:
-            p50, p99 = np.percentile(run.latency, (50.0, 99.0))
-            print(
-                f'   {name if run is runs[0] else "":32} {highest if run is runs[0] else "":>9} '
-                f'{run.rate:8.0f} Hz {p50:6.0f} {p99:7.0f} {run.latency.max():8.0f} µs'
-            )
-            if run.lost:
-                faults.append(f'{name}: {run.lost} lost at {run.rate:.0f} Hz')
+            for rate in RATES:
+                runs[name, rate].append(candidate.run(rate, seconds))
+            highest[name].append(highest_rate(candidate, seconds / 2.0).rate)
+    print(f'\n2. Highest rate without loss, {rounds} rounds of {seconds / 2.0:g} s')
+    print(f'   {"":16} {"median":>9} {"spread":>16} {"/ ordinary":>11}')
+    for name in COMPARED:
+        print(
+            f'   {name:16} {statistics.median(highest[name]):6.0f} Hz '
+            f'{min(highest[name]):6.0f} to {max(highest[name]):6.0f} '
+            f'{ratio(highest[name], highest[ORDINARY]):11.2f}'
+        )
+    print(f'   Latency from publishing to Odometry received, {seconds:g} s, medians of the rounds')
+    print(f'   {"":16} {"":>8} {"p50":>6} {"spread":>14} {"/ ordinary":>11} {"p99":>6} {"max":>6}')
+    faults = []
+    for (name, rate), each in runs.items():
+        p50, p99, most = np.percentile([run.latency for run in each], (50.0, 99.0, 100.0), axis=1)
+        ordinary = [float(np.median(run.latency)) for run in runs[ORDINARY, rate]]
+        print(
+            f'   {name:16} {rate:5.0f} Hz {np.median(p50):6.0f} {p50.min():5.0f} to '
+            f'{p50.max():5.0f} {ratio(p50.tolist(), ordinary):11.2f} {np.median(p99):6.0f} '
+            f'{np.median(most):6.0f} µs'
+        )
+        lost = sum(run.lost for run in each)
+        if lost:
+            faults.append(f'{name}: {lost} lost at {rate:.0f} Hz')
     return faults
 
 
@@ -296,7 +318,8 @@ def start_and_memory(rounds: int, minutes: float) -> list[str]:
     if median > START_TARGET:
         faults.append(f'first Odometry after {median:.2f} s, at most {START_TARGET:g} allowed')
     if minutes > 0.0:
-        faults += soak('pipeline', minutes, 30.0, RATE)
+        for shape in ('pipeline', 'navigator'):
+            faults += soak(shape, minutes, 30.0, RATE)
     return faults
 
 
@@ -315,7 +338,7 @@ def main() -> int:
         rounds, seconds, minutes = 1, 2.0, 0.0
     rows = {
         1: lambda: cpu_per_message(rounds, seconds),
-        2: lambda: rates_and_latencies(seconds),
+        2: lambda: rates_and_latencies(rounds, seconds),
         3: lambda: start_and_memory(rounds, minutes),
     }
     faults = []

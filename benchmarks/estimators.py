@@ -1,8 +1,8 @@
 """Cost of each estimator's step: ``python -m benchmarks.estimators``.
 
-Time of the processor, sample by sample and in blocks.  Beside them stand the update of imufusion
-(`pip install imufusion`; left out where it is missing), and predict and update of a filterpy
-filter, on the same data.  Everything is measured in turn, round after round, in one process.
+Time of the processor, sample by sample and in blocks.  Beside them stand the update of imufusion,
+and predict and update of a filterpy filter, on the same data.  Everything is measured in turn,
+round after round, in one process.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import argparse
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -112,16 +113,23 @@ def in_blocks(block: ImuBlock, values: Mapping[str, Any], name: str) -> Measured
         yield f'integrator, {values["integrator.method"]}', 'batch', per_sample[1]
 
 
-def pedometer(block: ImuBlock) -> Measured:
-    """Measure the pedometer, counting on a topic without an attitude."""
-    values = {'pipeline.estimators': ['pedometer'], 'pedometer.heading': 'none'}
+ALONE: dict[str, dict[str, Any]] = {
+    'pedometer': {'pedometer.heading': 'none'},
+    'inertial_navigator': {'navigator.input': RAW},
+}
+"""Estimators that take the Imu themselves, with settings."""
+
+
+def alone(block: ImuBlock, name: str) -> Measured:
+    """Measure one of these."""
+    values = {'pipeline.estimators': [name], **ALONE[name]}
     samples = [block.sample(k) for k in range(STREAMED)]
     chain = Pipeline(Configuration(values)).chain
     took = timed(lambda: [chain.push(RAW, sample) for sample in samples], STREAMED)
-    yield 'pedometer', 'streaming', took
+    yield name, 'streaming', took
     chain = Pipeline(Configuration(values), blocks=True).chain
     parts = [block.part(begin, begin + BLOCK) for begin in range(0, len(block), BLOCK)]
-    yield 'pedometer', 'batch', timed(lambda: [chain.push(RAW, p) for p in parts], len(block))
+    yield name, 'batch', timed(lambda: [chain.push(RAW, p) for p in parts], len(block))
 
 
 def filterpy(block: ImuBlock) -> Measured:
@@ -143,10 +151,9 @@ def filterpy(block: ImuBlock) -> Measured:
 
 def imufusion(block: ImuBlock) -> Measured:
     """Measure imufusion's update, and with it the acceleration in the world."""
-    try:
-        fusion = import_module('imufusion')
-    except ImportError:
+    if find_spec('imufusion') is None:
         return
+    fusion = import_module('imufusion')
     ahrs = fusion.Ahrs()
     ahrs.set_sample_period(1.0 / RATE)
     # Its units are °/s and g.
@@ -177,7 +184,7 @@ def measure(block: ImuBlock, rounds: int) -> dict[tuple[str, str], list[float]]:
             ours(block, 'message', 'trapezoid'),
             ours(block, 'estimate', 'trapezoid'),
             ours(block, 'rest', 'kalman'),
-            pedometer(block),
+            *(alone(block, name) for name in ALONE),
             imufusion(block),
             filterpy(block),
         ):
@@ -198,9 +205,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog='python -m benchmarks.estimators', description=__doc__)
     parser.add_argument('--samples', type=int, default=720_000, help='samples in blocks')
     parser.add_argument('--rounds', type=int, default=5, help='how often each is measured')
+    parser.add_argument('--quick', action='store_true', help='a tenth of it, in one round')
     given = parser.parse_args()
+    samples, rounds = (given.samples // 10, 1) if given.quick else (given.samples, given.rounds)
+    if find_spec('imufusion') is None:
+        print('imufusion is left out, as it is not installed: pip install imufusion')
     warm_up()
-    found = measure(recording(given.samples), given.rounds)
+    found = measure(recording(samples), rounds)
     names = dict.fromkeys(name for name, _ in found)
     rows = [
         (name, *(written(found.get((name, way))) for way in ('streaming', 'batch')))

@@ -27,14 +27,18 @@ from dead_reckoning.core.errors import DeadReckoningError
 from dead_reckoning.tools.processes import Nodes, environment, interruptible
 
 ROOT = Path(__file__).parents[1]
-SETTINGS: dict[str, Any] = {'gravity.attitude': 'estimate'}
+WALK: dict[str, Any] = {'pipeline.estimators': ['integrator', 'pedometer']}
+ESTIMATE: dict[str, Any] = {'gravity.attitude': 'estimate'}
 SHAPES: dict[str, dict[str, dict[str, Any]]] = {
-    'pipeline': {'pipeline': {'pipeline.estimators': ['integrator', 'pedometer']}},
-    'nodes': {'gravity_removal': {}, 'integrator': {}, 'pedometer': {}},
+    'pipeline': {'pipeline': {**WALK, 'gravity.attitude': 'rest'}},
+    'navigator': {'pipeline': {'pipeline.estimators': ['inertial_navigator']}},
+    'stream': {'pipeline': {**WALK, **ESTIMATE}},
+    'nodes': {'gravity_removal': ESTIMATE, 'integrator': {}, 'pedometer': {}},
 }
-"""Nodes, with their parameters, that take the whole way: in one process, or each in its own."""
-LISTENERS = {'pipeline': 1, 'nodes': 2}
-"""Subscriptions of `imu/data_raw`."""
+"""Nodes, with their parameters, that take the whole way: in one process, compiled or, as there is
+no kernel for that attitude, as a stream; or each in a process of its own."""
+LISTENERS = {'nodes': 2}
+"""Subscriptions of `imu/data_raw`, where it is not one."""
 MEGABYTE = 1 << 20
 LIMIT = 1.0
 """Growth [MB] that a run may show."""
@@ -126,10 +130,10 @@ def soak(shape: str, minutes: float, warm_up: float, rate: float) -> list[str]:
     with (
         interruptible() as interruption,
         Nodes(environment()) as nodes,
-        spawned('benchmarks.feeder', str(rate), str(LISTENERS[shape])) as feed,
+        spawned('benchmarks.feeder', str(rate), str(LISTENERS.get(shape, 1))) as feed,
     ):
         for name, parameters in SHAPES[shape].items():
-            nodes.start(name, {**SETTINGS, **parameters})
+            nodes.start(name, parameters)
         assert feed.stdin is not None
         assert feed.stdout is not None
         feed.stdout.readline()  # all have found each other, and messages go out

@@ -53,7 +53,8 @@ def publish(topic: str) -> None:
         stamps: list[int] = []
         start = time.monotonic()
         while (elapsed := time.monotonic() - start) < seconds:
-            while len(stamps) < elapsed * rate:
+            # Where the rate is too high for it, it never catches up.
+            while elapsed < seconds and len(stamps) < elapsed * rate:
                 stamp_ns = time.monotonic_ns()
                 imu = sample(stamp_ns, len(stamps) / rate, SWING)
                 data = encode_imu(replace(imu, orientation=IDENTITY_QUATERNION))

@@ -61,7 +61,7 @@ ALLOWED_ROOMS = {
     'wire': {'core'},
     'block_wire': {'core', 'wire'},
     'topics': {'core', 'wire', 'block_wire'},
-    'live': {'core', 'wire', 'block_wire'},
+    'live': {'core', 'wire', 'block_wire', 'live'},
     'nodes': {'core', 'sources', 'nodes', *BESIDE},
     'tools': {'core', 'sources', 'tools', *BESIDE},
 }

@@ -21,6 +21,7 @@ from benchmarks.accuracy import (
     navigator_cost,
     openshoe,
     oxford,
+    sensors,
     slopes,
     wrist,
     xio,
@@ -32,7 +33,7 @@ from dead_reckoning.tools.table import table
 KINDS = (jackal, broad, airbrakes, oxford, wrist, openshoe, gcp, xio, gaitmap, inclination)
 """One module per kind of recording; each has NAME, PATTERN and `measure`."""
 
-SIMULATED = (slopes, consistency, navigator_cost)
+SIMULATED = (slopes, sensors, consistency, navigator_cost)
 """What needs no recording; each has NAME and `measure`."""
 
 

@@ -64,8 +64,8 @@ ON_THE_WAY = (9.0, 19.0, 29.0, 39.0, 50.0)
 def gait_as_assumed(bias_up: float = 0.0) -> Case:
     """Return a foot that stands still in its stances, and a sensor of the noise assumed.
 
-    Where the foot stands, its rate is but the bias; so that is the threshold of the detector.  A
-    bias along the vertical, ``bias_up`` [m/s²], the filter takes for gravity.
+    Where the foot stands, its rate is but noise and bias; so no more is the threshold of the
+    detector.  A bias along the vertical, ``bias_up`` [m/s²], the filter takes for gravity.
     """
     sensor = {
         'force_noise': 0.03, 'rate_noise': 3e-4, 'force_bias': (0.05, 0.05, bias_up),
@@ -77,7 +77,7 @@ def gait_as_assumed(bias_up: float = 0.0) -> Case:
         'averaging': 0.0, 'sampling_noise': 0.0, 'acceleration_walk': 0.0, 'rate_walk': 0.0,
         'rest_deviation': 1.0, 'rest_rate_deviation': 0.05, 'stance_velocity': 1e-5,
         'pivot': 0.0, 'height': 0.0, 'zero_rate': False, 'floor': False,
-        'detector': ['angular_rate'], 'angular_rate.least': 0.03, 'exponent': 0.1,
+        'detector': ['angular_rate'], 'angular_rate.least': 1e-3, 'angular_rate.share': 0.0,
     }  # fmt: skip
     values = {**FOOT, **{f'navigator.{name}': value for name, value in believed.items()}}
     if bias_up:
@@ -115,7 +115,7 @@ def drive_as_assumed() -> Case:
 def gait_by_default() -> Case:
     """Return the same foot with an ordinary sensor, and the settings of all feet.
 
-    But for `averaging`: what is simulated are values of an instant.
+    But its samples are of an instant.
     """
     values = {**FOOT, 'navigator.averaging': 0.0}
     return Case('gait, settings of all feet', gait(), {}, values, SWINGS, assumed=())

@@ -31,6 +31,8 @@ FOOT = read_values(PRESETS / 'foot_mounted.yaml')
 """What all recordings of feet are taken with."""
 HELD = read_values(PRESETS / 'inertial.yaml')
 """What a sensor in a hand is taken with."""
+VEHICLE = read_values(PRESETS / 'vehicle.yaml')
+"""What a vehicle is taken with."""
 
 CAUSAL, SMOOTHED, PROMPT = 'causal', 'smoothed', 'look-ahead 0'
 """Ways to navigate: what the live `odom` publishes, `smoothed.csv`, and live without any delay."""

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from benchmarks.accuracy.simulated_walks import UP, Array, Walk
+from benchmarks.accuracy.simulated_walks import UP, Array, Walk, measured
 from dead_reckoning.sources import motions
+
+VEHICLE: dict[str, Any] = {
+    'nonholonomic': True, 'floor': False, 'height': 0.0, 'pivot': 0.0, 'acceleration_bias': 0.1,
+    'window': 0.2, 'minimum': 0.2, 'look_ahead': 0.3, 'patience': 1e6,
+}  # fmt: skip
+"""Settings of the navigator for a vehicle: docs/navigation.md."""
 
 
 def driven(
@@ -43,4 +50,21 @@ def from_its_start(drive: Walk) -> Walk:
         (drive.position - drive.position[0]) @ turn.T,
         drive.velocity @ turn.T,
         turn @ drive.rotation,
+    )
+
+
+def shaken(
+    drive: Walk, seed: int, force: float = 0.5, rate: float = 0.02, **sensor: float
+) -> Walk:
+    """Return a drive as a sensor measures it that shakes at 2 m/s and above, [m/s²], [rad/s].
+
+    ``sensor`` is as `measured` has it.
+    """
+    moved = measured(drive, seed, **{'force_bias': 0.05, 'rate_bias': 0.002, **sensor})
+    random = np.random.default_rng(1000 + seed)
+    size = np.minimum(0.5 * np.linalg.norm(drive.velocity, axis=1), 1.0)[:, None]
+    return replace(
+        moved,
+        force=moved.force + size * random.normal(0.0, force, moved.force.shape),
+        rate=moved.rate + size * random.normal(0.0, rate, moved.rate.shape),
     )

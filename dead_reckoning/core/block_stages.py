@@ -75,13 +75,14 @@ def navigator_block_stage(
     navigator: InertialNavigator,
     mountings: Mountings = unmounted,
     body: BodyStates | None = None,
+    rest: RestOutput | None = None,
     frames: FrameSettings | None = None,
     strides: StrideOutputs | None = None,
 ) -> Stage:
     """Give what `navigator_stage` gives, in blocks, without what the detector goes by."""
     body = body or BodyStates(navigator, mountings)
     strides = strides or StrideOutputs(navigator, body)
-    stage = navigator_stage(navigator, mountings, body, frames, strides)
+    stage = navigator_stage(navigator, mountings, body, rest, frames, strides)
     run = navigator_run(navigator, mountings, strides)
 
     def end(_: None) -> list[Output]:
@@ -95,7 +96,7 @@ def navigator_block_stage(
         return [*((name, StateBlock.of(states)) for name, states in made.items()), *outputs]
 
     stages: Stage = {**blockwise(stage, {navigator.settings.input: run}), END: end}
-    return _with_rests(stages, RestOutput())
+    return _with_rests(stages, rest or RestOutput())
 
 
 def pedometer_block_stage(

@@ -39,9 +39,17 @@ from dead_reckoning.core.navigation.history import NO_LOG, NO_TRACE, STRETCH, Hi
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigation.states import counts_of, state_block, state_of
 from dead_reckoning.core.parameters import Settings
-from dead_reckoning.core.rest import check_gravity
-from dead_reckoning.core.rest_search import RestSearch, Stillness
-from dead_reckoning.core.samples import NANOSECONDS, UNKNOWN, ImuSample, NavigationState
+from dead_reckoning.core.rest_search import Stillness
+from dead_reckoning.core.rotation import matrix_from_quaternion
+from dead_reckoning.core.samples import (
+    IDENTITY,
+    NANOSECONDS,
+    UNKNOWN,
+    ImuSample,
+    NavigationState,
+    Quaternion,
+    Vector,
+)
 from dead_reckoning.core.stamps import Timeline
 from dead_reckoning.core.strides import Strides, count_strides
 from dead_reckoning.core.work import Work
@@ -88,10 +96,13 @@ class InertialNavigator:
             settings.compass_timeout, common.turn_deviation, common.attitude_deviation
         )
         self._levelling = Work()
-        self._row = np.zeros((1, layout.ROW))
+        self._mounted = IDENTITY
+        self.row = np.zeros((1, layout.ROW))
+        """The last sample, as the filter takes it."""
+        self.out = np.zeros((1, layout.STATE_ROW))
+        """A state, as the filter gives it."""
         self._stamp = np.zeros(1, np.int64)
         self._verdict = np.zeros((1, 3))
-        self._out = np.zeros((1, layout.STATE_ROW))
         self._start_over()
 
     def reset(self) -> None:
@@ -111,13 +122,20 @@ class InertialNavigator:
         self.strides = Strides()
         """From stance to stance, up to the last state."""
         self._alignment = Alignment(self.settings)
-        self._search: RestSearch | None = None
+        self._search: Alignment | None = None
         self._aids = Aids()
         self._to_north = False  # whether the yaw is one of a compass
         self._heard = self._silent = False  # a compass, ever, and lately
         self._waiting: deque[int] = deque()
+        self._begin_ns = 0  # of the first sample that gets a state: those before were refused
         self._state: Array = np.zeros(0)
         self._rules: Array = np.zeros(0)
+
+    def mount(self, rotation: Quaternion) -> None:
+        """Learn what takes the axes of the sensor into those in which its samples come."""
+        self._mounted = matrix_from_quaternion(rotation)
+        if self.aligned:
+            self._rules = self._rules_with(self._rules[layout.GRAVITY])
 
     @property
     def newest_ns(self) -> int:
@@ -150,8 +168,8 @@ class InertialNavigator:
         """Take over what may change, all at once, between two samples."""
         mutable = {p.key: getattr(settings, p.name) for p in settings.parameters() if p.mutable}
         self.settings = self.settings.changed(mutable)
-        if not self.settings.compass:
-            self._aids.clear()
+        if not self.settings.compass and self._aids.drop(layout.YAW, layout.NORTH):
+            self._to_north = False
         if self.aligned:
             self._rules = self._rules_with(self._rules[layout.GRAVITY])
 
@@ -162,7 +180,7 @@ class InertialNavigator:
         and then nothing changed.
         """
         if self.aligned:
-            self._search = RestSearch(self.settings, with_rate=True)
+            self._search = Alignment(self.settings)
         else:
             self._alignment.clear()
         return self._levelling.begin()
@@ -220,20 +238,23 @@ class InertialNavigator:
         else:
             self._state[:] = state
 
+    def begins_anew(self, imu: ImuSample) -> bool:
+        """Say whether a sample makes it start all over, so that what waits comes out before.
+
+        Raises `SampleError`, as `update` would.
+        """
+        if not self._timeline.goes_back(imu.stamp_ns):
+            return False
+        _require(imu)
+        return True
+
     def update(self, imu: ImuSample) -> list[NavigationState]:
         """Take a sample; return the states that are known now, none or one, or more after a gap.
 
         Raises `SampleError` (not finite, no acceleration, no angular velocity, stale stamp, not
         aligned yet), and then what is estimated is as it was.
         """
-        require_force(imu)
-        require_covariances(imu)
-        require_rate(imu)
-        if imu.angular_velocity is None:
-            raise MissingRateError(
-                'the Imu measures no angular velocity, which the inertial navigator needs: take '
-                'the topic of a device with a gyro'
-            )
+        turn = _require(imu)
         restarts = self._timeline.restarts
         step_ns = self._timeline.advance(imu.stamp_ns)
         if self._timeline.restarts != restarts:
@@ -251,25 +272,32 @@ class InertialNavigator:
             states = self.flush()
             self._detector.reset()
             if self.levelling:
-                self._search = RestSearch(self.settings, with_rate=True)
+                self._search = Alignment(self.settings)
             self.findings.append(
                 GapError(
                     f'no samples for {dt:.3g} s: the position is held and its uncertainty grows; '
                     'if the sensor is that slow, raise navigator.max_gap'
                 )
             )
-        if self._heard:
-            self._watch_compass(imu.stamp_ns)
         if self._search is not None:
             self._look_for_rest(self._search, imu)
-        row = self._row
-        row[0] = (dt, *imu.specific_force, *imu.angular_velocity, self._variance(imu))
-        self._stamp[0] = imu.stamp_ns
-        done = self._filter(row, self._stamp, self._verdict, self._out)
-        self._waiting.append(imu.stamp_ns)
-        if done:
-            states.append(self._state_of(self._out[0].tolist()))
+        self.row[0] = (dt, *imu.specific_force, *turn, self._variance(imu))
+        stamp_ns = self.advance(imu.stamp_ns)
+        if stamp_ns is not None:
+            states.append(state_of(stamp_ns, self.out[0].tolist()))
         return states
+
+    def advance(self, stamp_ns: int) -> int | None:
+        """Filter the sample in `row`; return the stamp of the state in `out`, if one is known."""
+        if self._heard:
+            self._watch_compass(stamp_ns)
+        self._stamp[0] = stamp_ns
+        done = self._filter(self.row, self._stamp, self._verdict, self.out)
+        self._waiting.append(stamp_ns)
+        if not done:
+            return None
+        state_ns = self._take_note(self.out[0].tolist())
+        return state_ns if state_ns >= self._begin_ns else None
 
     def flush(self) -> list[NavigationState]:
         """Return the states that wait for what the detector has not seen yet, as at the end."""
@@ -277,11 +305,12 @@ class InertialNavigator:
         if not count:
             return []
         delay = self._detector.delay
-        rows = np.repeat(self._row, delay, axis=0)  # what comes is like the last, for all we know
+        rows = np.repeat(self.row, delay, axis=0)  # what comes is like the last, for all we know
         rows[:, 0] = -1.0
         out = np.empty((delay, layout.STATE_ROW))
         done = self._filter(rows, NO_STAMPS, np.empty((delay, 3)), out)
-        return [self._state_of(values) for values in out[:done].tolist()]
+        states = [state_of(self._take_note(values), values) for values in out[:done].tolist()]
+        return [state for state in states if state.stamp_ns >= self._begin_ns]
 
     def take(self, samples: Array, stamps: Stamps) -> StateBlock | None:
         """Take samples in columns, as kernels have them; return the states known now, if any.
@@ -299,13 +328,14 @@ class InertialNavigator:
             self._waiting = deque(waiting[count:].tolist())
             filtered.append(waiting[:count])
             done += count
-        self._row[0] = samples[-1]
+        self.row[0] = samples[-1]
         if not done:
             return None
         block = state_block(np.concatenate(filtered), out[:done])
         self._note(out[done - 1].tolist())
         count_strides(self.strides, block)
-        return block
+        begin = int(np.searchsorted(block.stamp_ns, self._begin_ns))
+        return block.part(begin, done) if begin < done else None
 
     def _filter(self, samples: Array, stamps: Stamps, verdicts: Array, out: Array) -> int:
         """Filter samples, after those that wait; rows that stand for no sample have no stamp."""
@@ -331,11 +361,12 @@ class InertialNavigator:
         self.statistic, self.threshold = values[49], values[50]
         self.stationary = values[51] > 0.0
 
-    def _state_of(self, values: list[float]) -> NavigationState:
+    def _take_note(self, values: list[float]) -> int:
+        """Take note of the next state; return its stamp [ns]."""
         self._note(values)
-        state = state_of(self._waiting.popleft(), values)
-        self.strides.update(state.stationary, state.position)
-        return state
+        x, y, z = values[:3]
+        self.strides.update(self.stationary, (x, y, z))
+        return self._waiting.popleft()
 
     def _variance(self, imu: ImuSample) -> float:
         covariance = imu.angular_velocity_covariance
@@ -365,6 +396,7 @@ class InertialNavigator:
             self._levelling.fail(error)
             raise NotLevelledError(f'waiting for rest: {error}') from error
         self._start(rest)
+        self._begin_ns = imu.stamp_ns
         self._alignment.clear()
         self.take(rest.rows, rest.stamps)
         self._levelling.succeed(self.aligned)
@@ -372,6 +404,7 @@ class InertialNavigator:
     def _start(self, rest: Rest) -> None:
         """Build detector and filter for a rest."""
         self._detector = detector_of(self.settings, self._of_detectors, rest.gravity, rest.rate)
+        self._detector.learn(rest.rows)
         self._rate = rest.rate
         self._rules = self._rules_with(rest.gravity)
         stamp_ns = int(rest.stamps[-1])
@@ -388,20 +421,21 @@ class InertialNavigator:
     def _rules_with(self, gravity: float) -> Array:
         rules = rules_of(self.settings, self._gap_turn, self._rate, self._detector.delay)
         rules[layout.GRAVITY] = gravity
+        rules[layout.MOUNTED : layout.MOUNTED + 9] = self._mounted
         return rules
 
-    def _look_for_rest(self, search: RestSearch, imu: ImuSample) -> None:
+    def _look_for_rest(self, search: Alignment, imu: ImuSample) -> None:
         try:
-            still = search.add(imu)
-            if still is None:
-                return
-            check_gravity(still.force.mean)
+            rest = search.add(imu, self._variance(imu))
+        except NotLevelledError:
+            return
         except (NotAtRestError, GravityError) as error:
             self._search = None
             self._levelling.fail(error)
         else:
             self._search = None
-            self._level_at(still, imu.stamp_ns)
+            self._detector.learn(rest.rows)
+            self._level_at(rest.still, imu.stamp_ns)
             self._levelling.succeed(self.aligned)
 
     def _level_at(self, still: Stillness, stamp_ns: int) -> None:
@@ -412,3 +446,16 @@ class InertialNavigator:
         first_ns = self._waiting[0] if self._waiting else stamp_ns
         self._aids.add(first_ns, layout.LEVEL, values)
         self._rules = self._rules_with(gravity)
+
+
+def _require(imu: ImuSample) -> Vector:
+    """Return the rate of turn; raise `SampleError` where a sample is not one to navigate by."""
+    require_force(imu)
+    require_covariances(imu)
+    require_rate(imu)
+    if imu.angular_velocity is None:
+        raise MissingRateError(
+            'the Imu measures no angular velocity, which the inertial navigator needs: take the '
+            'topic of a device with a gyro'
+        )
+    return imu.angular_velocity

@@ -58,8 +58,11 @@ class BodyStates:
 
     def turned(self, imu: ImuSample) -> ImuSample:
         """Return a sample in the axes of the body; raises `MissingMountingError`."""
-        self.mounting = self._mountings(imu.frame_id)
-        return self.mounting.to_body(imu)
+        mounting = self._mountings(imu.frame_id)
+        if mounting is not self.mounting:
+            self.mounting = mounting
+            self._navigator.mount(mounting.rotation)
+        return mounting.to_body(imu)
 
     def of(self, state: NavigationState) -> NavigationState:
         """Return the state of the body, of the next state that the navigator gave."""
@@ -157,6 +160,7 @@ def navigator_stage(
     navigator: InertialNavigator,
     mountings: Mountings = unmounted,
     body: BodyStates | None = None,
+    rest: RestOutput | None = None,
     frames: FrameSettings | None = None,
     strides: StrideOutputs | None = None,
 ) -> Stage:
@@ -168,7 +172,7 @@ def navigator_stage(
     """
     body = body or BodyStates(navigator, mountings)
     strides = strides or StrideOutputs(navigator, body)
-    rests = RestOutput()
+    rests = rest or RestOutput()
     aiding = Aiding(
         navigator,
         frames,
@@ -189,10 +193,13 @@ def navigator_stage(
     def take(imu: ImuSample) -> list[Output]:
         turned = body.turned(imu)
         restarts, aligned = navigator.restarts, navigator.aligned
+        outputs: list[Output] = []
         try:
-            outputs = give(navigator.update(turned))
+            if navigator.begins_anew(turned):
+                outputs += give(navigator.flush())
+            outputs += give(navigator.update(turned))
         except SampleError as error:
-            outputs = [(FAULT, error)]
+            outputs.append((FAULT, error))
         if navigator.restarts != restarts:
             outputs.append((FAULT, RestartError('the stamps went back: looking for rest anew')))
         if navigator.aligned and navigator.aligned is not aligned:

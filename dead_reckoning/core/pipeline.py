@@ -157,7 +157,7 @@ class Pipeline:
             self.navigator = InertialNavigator(navigator, common, *own)
             self.body = BodyStates(self.navigator, mountings)
             frames = parts[FrameSettings]
-            stages.append(make.navigator(self.navigator, mountings, self.body, frames))
+            stages.append(make.navigator(self.navigator, mountings, self.body, self.rest, frames))
             self.outputs += navigator_outputs(navigator)
             if not blocks:
                 self.between += (STATISTIC, THRESHOLD)
@@ -180,7 +180,9 @@ class _Stages(NamedTuple):
     gravity: Callable[[GravityRemoval, Mountings], Stage]
     integrator: Callable[[Integrator, Mountings, RestOutput], Stage]
     pedometer: Callable[[Pedometer, StepOdometry, Mountings, StepOutputs], Stage]
-    navigator: Callable[[InertialNavigator, Mountings, BodyStates, FrameSettings], Stage]
+    navigator: Callable[
+        [InertialNavigator, Mountings, BodyStates, RestOutput, FrameSettings], Stage
+    ]
 
 
 def _stages(blocks: bool) -> _Stages:
@@ -200,8 +202,12 @@ def _stages(blocks: bool) -> _Stages:
 
 
 def _navigator_stage(
-    navigator: InertialNavigator, mountings: Mountings, body: BodyStates, frames: FrameSettings
+    navigator: InertialNavigator,
+    mountings: Mountings,
+    body: BodyStates,
+    rest: RestOutput,
+    frames: FrameSettings,
 ) -> Stage:
     from dead_reckoning.core.navigator_stage import navigator_stage
 
-    return navigator_stage(navigator, mountings, body, frames)
+    return navigator_stage(navigator, mountings, body, rest, frames)

@@ -45,8 +45,8 @@ class Timeline:
             raise RepeatedStampError(
                 f'the stamp {stamp_ns} ns came twice: the driver repeats itself'
             )
-        back_ns = last_ns - stamp_ns
-        if back_ns < RESTART_NS:
+        if not self.goes_back(stamp_ns):
+            back_ns = last_ns - stamp_ns
             raise LateSampleError(
                 f'the stamp {stamp_ns} ns is {back_ns / NANOSECONDS:.6f} s older than the last '
                 'one: publish samples in the order of their stamps'
@@ -54,6 +54,11 @@ class Timeline:
         self.restarts += 1
         self._last_ns = stamp_ns
         return None
+
+    def goes_back(self, stamp_ns: int) -> bool:
+        """Say whether the next stamp [ns] would be a restart."""
+        last_ns = self._last_ns
+        return last_ns is not None and stamp_ns != 0 and last_ns - stamp_ns >= RESTART_NS
 
     def reset(self) -> None:
         """Forget the last stamp; the count of restarts stays."""

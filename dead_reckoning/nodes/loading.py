@@ -6,20 +6,15 @@ import gc
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from threading import Event, Thread
 
-from dead_reckoning.core.kernels import accelerated, kept
-from dead_reckoning.core.kernels.columns import Array
-from dead_reckoning.core.kernels.live import take
-from dead_reckoning.core.kernels.memory import nothing
+from dead_reckoning.core import kernels
 from dead_reckoning.live import LiveChain
 from dead_reckoning.nodes.chain_node import ChainNode
 
 COMPILE = (
-    'import os; os.nice(19); '
-    'from dead_reckoning.core.kernels.live import take; '
-    'from dead_reckoning.core.kernels.memory import nothing; take(nothing())'
+    'import os, sys; os.nice(19); '
+    'from dead_reckoning import live; getattr(live, sys.argv[1]).compile()'
 )
 
 QUICK = 0.0005
@@ -29,21 +24,25 @@ PATIENCE = 0.2
 """How often [s] to look whether the compiler is done, and so the longest that an end waits."""
 
 
-def load(node: ChainNode, chain: LiveChain) -> None:
-    """Give a chain its kernel once it is there.
+def load(node: ChainNode, chain: LiveChain, say_slow: bool) -> None:
+    """Let a chain use its kernels once they are there.
 
     Loading takes half a second, so it is left to a thread.  Compiling takes many, so it is left to
     a process that has the lowest priority; without a place to keep its work, or without numba, the
-    chain goes on without a kernel.
+    chain goes on without kernels, and ``say_slow`` says whether to tell that numba is missing.
     """
     if os.environ.get('NUMBA_DISABLE_JIT', '0') != '0':
         return  # numba would say so too, once its 20 MB are loaded
     ends = Event()
 
     def work() -> None:
-        chain.kernel = _loaded()
-        if chain.kernel is None and accelerated() and _compiled(ends):
-            chain.kernel = _loaded()
+        chain.ready = _loaded(chain)
+        if chain.ready:
+            return
+        if kernels.accelerated():
+            chain.ready = _compiled(chain, ends) and _loaded(chain)
+        elif say_slow:
+            node.get_logger().warning(kernels.SLOW)
 
     thread = Thread(target=work, name='loading')
 
@@ -55,23 +54,23 @@ def load(node: ChainNode, chain: LiveChain) -> None:
     thread.start()
 
 
-def _loaded() -> Callable[[Array], int] | None:
-    """Return the kernel if it is kept, and keep the traffic waiting as little as possible."""
+def _loaded(chain: LiveChain) -> bool:
+    """Load the kernels if they are kept, and keep the traffic waiting as little as possible."""
     interval = sys.getswitchinterval()
     sys.setswitchinterval(QUICK)
     gc.disable()  # hundreds of thousands of objects come, all of which stay
     try:
-        return kept(take, nothing())
+        return all(kernels.load(kernel, *arguments) for kernel, arguments in chain.KERNELS)
     finally:
         gc.freeze()
         gc.enable()
         sys.setswitchinterval(interval)
 
 
-def _compiled(ends: Event) -> bool:
+def _compiled(chain: LiveChain, ends: Event) -> bool:
     """Compile in another process; say whether that went well, and was waited for."""
     with subprocess.Popen(
-        [sys.executable, '-c', COMPILE],
+        [sys.executable, '-c', COMPILE, type(chain).__name__],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,

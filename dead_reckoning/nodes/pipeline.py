@@ -11,7 +11,7 @@ from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.stages import AIDING, BESIDE
-from dead_reckoning.live import LiveChain, suits
+from dead_reckoning.live import live_chain
 from dead_reckoning.nodes import gravity_removal, inertial_navigator, integrator, pedometer
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.driver import driver_of
@@ -41,12 +41,11 @@ class PipelineNode(ChainNode):
         driver = None if from_topic else driver_of(self.configuration)
         if driver is not None:
             between += driver.outputs
-        chain = pipeline.chain
-        if suits(pipeline, self.configuration):
-            chain = live = LiveChain(pipeline, self.frames)
+        live = live_chain(pipeline, self.configuration)
+        if live is not None:
             self.show(lambda: {'compiled': live.taken})
         self.connect(
-            chain,
+            live or pipeline.chain,
             inputs=inputs,
             outputs=(*pipeline.outputs, *between),
             on_demand=between,
@@ -65,8 +64,8 @@ class PipelineNode(ChainNode):
             pedometer.serve(
                 self, pipeline.pedometer, pipeline.step_odometry, calibrate='pedometer/calibrate'
             )
-        if isinstance(chain, LiveChain):  # last: its thread ends with the node
-            load(self, chain)
+        if live is not None:  # last: its thread ends with the node
+            load(self, live, say_slow=pipeline.navigator is None)  # which says so itself
 
     def _needs_compass(self, pipeline: Pipeline) -> bool:
         return (

@@ -61,6 +61,9 @@ BLOCK = 4096
 """Most messages of a block: enough that a block costs nothing, and few for the cache."""
 
 
+SHOWN = 300
+"""How many characters are shown of what a parser says; some show all that they tripped over."""
+
 SUFFIXES = ('.bag', '.mcap', '.db3')
 _ALLOWED = 'name a .bag of ROS 1, a rosbag2 folder, or the .mcap or .db3 file in one'
 
@@ -116,8 +119,9 @@ def read_blocks(path: Path, topics: Collection[str]) -> Iterator[tuple[str, ImuB
 
     def blocks() -> Iterator[tuple[str, ImuBlock | Stamped]]:
         with _explained(path), closing(reader):
-            recorded = reader.messages(connections)
+            recorded, count = reader.messages(connections), 0
             while several := list(islice(recorded, BLOCK)):
+                count += len(several)
                 for connection, group in groupby(several, itemgetter(0)):
                     _, times, messages = zip(*group, strict=True)
                     for index, made in decode_imus(convert(messages)):
@@ -125,6 +129,7 @@ def read_blocks(path: Path, topics: Collection[str]) -> Iterator[tuple[str, ImuB
                             yield connection.topic, Stamped(times[index], made)
                         else:
                             yield connection.topic, made
+            _check_all(connections, count)
 
     return blocks()
 
@@ -137,8 +142,11 @@ def _read(
 
     def samples() -> Iterator[Sample]:
         with _explained(path), closing(reader):
+            count = 0
             for _, _, data in reader.messages(connections):
                 yield decode(*convert((data,)))
+                count += 1
+            _check_all(connections, count)
 
     return samples()
 
@@ -158,6 +166,13 @@ def _open(
             raise
 
 
+def _check_all(connections: Sequence[Connection], count: int) -> None:
+    """Raise where fewer messages came than there are: rosbags passes over what is damaged."""
+    expected = sum(connection.msgcount for connection in connections)
+    if count < expected:
+        raise ValueError(f'only {count} of {expected} messages can be read')
+
+
 @contextmanager
 def _explained(path: Path) -> Iterator[None]:
     """Turn what goes wrong with a file into a `RecordingError` that names it."""
@@ -174,8 +189,10 @@ def _explained(path: Path) -> Iterator[None]:
 
 
 def _reason(error: Exception) -> str:
+    """Return what an error says as the part of a line."""
     said = ' '.join(str(part) for part in error.args) or type(error).__name__
-    return said.rstrip('.')
+    said = ' '.join(said.split())
+    return (said if len(said) <= SHOWN else f'{said[:SHOWN]}…').rstrip('.')
 
 
 def _repair(path: Path) -> str:

@@ -204,6 +204,8 @@ class CsvRecording:
         """Return the stamps of all rows [ns]; what has none begins one period after zero."""
         if name is None:
             periods = np.arange(1, len(self._lines)) / rate
+            if periods[-1] * NANOSECONDS >= LATEST:
+                raise InputError(f'--rate {rate:g}: so few a second end after the last stamp')
             return _whole(periods * NANOSECONDS)
         values = self._values[name]
         if name == TIME and (np.abs(values) < EXACT).all():

@@ -45,6 +45,11 @@ def open_recording(
         table = CsvRecording(path, parts, rate)
         names = tuple(name for name in inputs if name not in BESIDE)
         return Recording(((names, block) for block in table.blocks()), len(table))
+    if path.is_file() and path.suffix not in bags.SUFFIXES:
+        raise RecordingError(
+            f'{path}: no recording; name a .csv, a .bag of ROS 1, a rosbag2 folder, or the .mcap '
+            'or .db3 file in one'
+        )
     chosen = choose(path, bags.topics(path), inputs, imu)
     length = bags.count(path, chosen)
     if not length:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import argparse
 import gc
+import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+
+from dead_reckoning.tools.signals import unwinding
 
 COMMANDS = {
     'demo': (
@@ -36,13 +39,14 @@ COMMANDS = {
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; return the exit status.
 
-    0 done, 1 failed, 2 wrong usage or input, 130 interrupted.
+    0 done, 1 failed, 2 wrong usage or input, 130 interrupted, 143 ended by SIGTERM.
     """
     # Messages and rows are many, and none is part of a cycle: to look for cycles after each 700
     # of them takes a fifth of a replay.
     gc.set_threshold(50_000)
     try:
-        return _run(arguments)
+        with unwinding(signal.SIGTERM, signal.SIGHUP):
+            return _run(arguments)
     except KeyboardInterrupt:
         print('\ninterrupted', file=sys.stderr)
         return 130

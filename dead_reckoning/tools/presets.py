@@ -139,6 +139,33 @@ PRESETS = (
         },
     ),
     Preset(
+        'vehicle',
+        'A wheeled robot or a car with an IMU and a gyro: run `pipeline` or `inertial_navigator` '
+        'with it, or replay a recording. Its wheels roll along x, and it stops now and then; what '
+        'measures its speed or place, aiding/odom, aiding/twist, aiding/pose, bounds what drifts '
+        '(docs/aiding.md). Rest a second or two at the start.',
+        {
+            'navigator.input': 'imu/data_raw',
+            'navigator.acceleration_bias': 0.1,
+            'navigator.pivot': 0.0,
+            'navigator.height': 0.0,
+            'navigator.patience': 1e6,
+            'navigator.floor': False,
+            'navigator.nonholonomic': True,
+            'navigator.axle': [0.0, 0.0, 0.0],
+            'navigator.aiding_angle': 0.02,
+            'navigator.aiding_correlation': 0.5,
+            'navigator.window': 0.2,
+            'navigator.minimum': 0.2,
+            'navigator.look_ahead': 0.3,
+            'pipeline.source': 'topic',
+            'pipeline.estimators': ['inertial_navigator'],
+            'frames.mounting': 'parameters',
+            'frames.mounting_rotation': [0.0, 0.0, 0.0],
+            'frames.mounting_translation': [0.0, 0.0, 0.0],
+        },
+    ),
+    Preset(
         'robot_localization',
         'A robot with an IMU and a gyro, for robot_localization: run `pipeline` with it; its '
         'filter fuses the twist of odom and is the one that broadcasts odom → base_link '

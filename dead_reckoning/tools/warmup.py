@@ -16,13 +16,12 @@ from dead_reckoning.core.blocks import ImuBlock
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import NotLevelledError
 from dead_reckoning.core.kernels import SLOW, accelerated
-from dead_reckoning.core.kernels.live import take
-from dead_reckoning.core.kernels.memory import nothing
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.smoother import Smoother
+from dead_reckoning.live import KINDS
 
 CHAINS: tuple[dict[str, Any], ...] = (
     {'gravity.attitude': 'rest', 'pipeline.estimators': ['integrator', 'pedometer']},
@@ -57,7 +56,8 @@ def warm_up() -> None:
         pipeline = Pipeline(Configuration(values), blocks=True)
         for name in pipeline.inputs[:1]:
             pipeline.chain.push(name, block)
-    take(nothing())
+    for kind in KINDS:
+        kind.compile()
     for detector in stationarity.names():
         navigate(NavigatorSettings(detector=(detector,)), block)
 

@@ -9,7 +9,16 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from benchmarks.accuracy import consistency, gaitmap, gcp, inclination, openshoe, slopes, xio
+from benchmarks.accuracy import (
+    consistency,
+    gaitmap,
+    gcp,
+    inclination,
+    openshoe,
+    sensors,
+    slopes,
+    xio,
+)
 from benchmarks.accuracy.__main__ import _say_goals
 from benchmarks.accuracy.inertial import FOOT, Recording, block_means, landings, live
 from benchmarks.accuracy.report import Goal, Report
@@ -205,6 +214,10 @@ def test_simulations_report_what_they_find(tmp_path, monkeypatch):
     monkeypatch.setattr(slopes, 'SLOPES', dict([*slopes.SLOPES.items()][:1]))
     (found,) = slopes.measure(tmp_path).figures['worst_percent'].values()
     assert 0.0 < found['causal'] < 3.0
+    monkeypatch.setattr(sensors, 'SEEDS', 1)
+    report = sensors.measure(tmp_path)
+    assert [goal.met for goal in report.goals] == [True, True, True]
+    assert len(report.figures['rest_missed_percent']) == 12
 
 
 def test_goals_are_told_apart(capsys):

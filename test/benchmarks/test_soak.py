@@ -49,7 +49,7 @@ def test_a_run_shorter_than_its_warm_up_is_refused():
 
 
 @pytest.mark.skipif(find_spec('rclpy') is None, reason='needs ROS 2')
-@pytest.mark.parametrize('shape', ['pipeline', 'nodes'])
+@pytest.mark.parametrize('shape', ['pipeline', 'navigator', 'nodes'])
 def test_it_runs_and_reports_each_node(domain_id, shape):
     process = run(
         *('--minutes', '0.1', '--warm-up', '1', '--rate', '100', '--shape', shape),
@@ -58,7 +58,7 @@ def test_it_runs_and_reports_each_node(domain_id, shape):
     assert 'Traceback' not in process.stderr, process.stderr
     lines = process.stdout.splitlines()
     assert lines[0].startswith(f'{shape}: ')
-    names = ['pipeline'] if shape == 'pipeline' else ['gravity_removal', 'integrator', 'pedometer']
+    names = ['pipeline'] if shape != 'nodes' else ['gravity_removal', 'integrator', 'pedometer']
     assert [line.split()[0] for line in lines[1:]] == names
     assert all('growth' in line and 'µs per sample' in line for line in lines[1:])
 

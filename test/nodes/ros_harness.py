@@ -360,3 +360,15 @@ class DiagnosticsRecording:
 def figures(status: Any) -> dict[str, str]:
     """Return the key and value pairs of a status."""
     return {pair.key: pair.value for pair in status.values}
+
+
+def taken(said: Any) -> int:
+    """Return how many messages went through compiled code, as /diagnostics last said."""
+    return int(figures(said.of('pipeline')[-1])['compiled']) if said.of('pipeline') else 0
+
+
+def latest_taken(ros: Ros, said: Any) -> int:
+    """Return the same as the next figures say it."""
+    count = len(said.of('pipeline'))
+    ros.until(lambda: len(said.of('pipeline')) > count, 'figures')
+    return taken(said)

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,11 +12,10 @@ import pytest
 from geometry_msgs.msg import AccelWithCovarianceStamped
 from messages import GRAVITY, NANOSECONDS, Feed, imu_message
 from nav_msgs.msg import Odometry
-from ros_harness import NODES, figures, lossless
+from ros_harness import NODES, lossless, taken
 from sensor_msgs.msg import Imu
 
-from dead_reckoning.core.kernels.live import take
-from dead_reckoning.core.kernels.memory import nothing
+from dead_reckoning.live import IntegratorChain
 from dead_reckoning.nodes.loading import COMPILE
 
 SETTINGS = {
@@ -53,14 +53,9 @@ def running(ros):
     return node, odom, said, feed
 
 
-def taken(said):
-    """Return how many messages went through compiled code, as /diagnostics last said."""
-    return int(figures(said.of('pipeline')[-1])['compiled']) if said.of('pipeline') else 0
-
-
 def test_services_and_parameters_act_on_what_compiled_code_has_reached(ros, running):
     pytest.importorskip('numba')
-    take(nothing())
+    IntegratorChain.compile()
     _, odom, said, feed = running
     feed.send_until(lambda: taken(said) > 100, 'compiled code')
     begun = odom.messages[-1].pose.pose.position.x
@@ -86,7 +81,7 @@ def test_services_and_parameters_act_on_what_compiled_code_has_reached(ros, runn
 
 def test_a_subscriber_between_gets_its_topic_and_the_odometry_goes_on(ros, running):
     pytest.importorskip('numba')
-    take(nothing())
+    IntegratorChain.compile()
     _, odom, said, feed = running
     feed.send_until(lambda: taken(said) > 0, 'compiled code')
     between = ros.record('imu/linear_acceleration', AccelWithCovarianceStamped)
@@ -99,6 +94,13 @@ def test_a_subscriber_between_gets_its_topic_and_the_odometry_goes_on(ros, runni
     assert steps == {NANOSECONDS // 200}
 
 
+def command(process):
+    """Return the command line of a process, of one that ended nothing: numpy asks lscpu."""
+    with suppress(OSError):
+        return (process / 'cmdline').read_bytes()
+    return b''
+
+
 def test_where_nothing_is_kept_it_starts_at_once_and_ends_while_compiling(
     ros, tmp_path, monkeypatch, request
 ):
@@ -107,14 +109,26 @@ def test_where_nothing_is_kept_it_starts_at_once_and_ends_while_compiling(
     node, _, said, feed = request.getfixturevalue('running')
 
     def compilers():
-        children = Path(f'/proc/{node.process.pid}/task').glob('*/children')
-        return [Path(f'/proc/{pid}') for each in children for pid in each.read_text().split()]
+        tasks = Path(f'/proc/{node.process.pid}/task').glob('*/children')
+        children = [Path(f'/proc/{pid}') for each in tasks for pid in each.read_text().split()]
+        return [child for child in children if COMPILE.encode() in command(child)]
 
     feed.send_until(compilers, 'the compiler')
     feed.send_until(lambda: said.of('pipeline'), 'figures')
     assert taken(said) == 0
     (compiler,) = compilers()
-    assert COMPILE.encode() in (compiler / 'cmdline').read_bytes()
     assert node.end(signal.SIGINT) == 0
     assert 'Traceback' not in node.stderr
     assert not compiler.exists()
+
+
+def test_without_numba_it_says_so_once_and_goes_on(tmp_path, monkeypatch, request):
+    (tmp_path / 'numba.py').write_text('raise ImportError')
+    path = os.pathsep.join([str(tmp_path), os.environ.get('PYTHONPATH', '')])
+    monkeypatch.setenv('PYTHONPATH', path)
+    node, _, said, feed = request.getfixturevalue('running')
+    feed.send_until(lambda: 'numba is not there' in node.stderr, 'the reason')
+    feed.send_until(lambda: said.of('pipeline'), 'figures')
+    assert taken(said) == 0
+    assert node.end(signal.SIGINT) == 0
+    assert node.stderr.count('numba is not there') == 1

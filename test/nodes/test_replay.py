@@ -6,11 +6,10 @@ from messages import GRAVITY, NANOSECONDS, START_NS, Feed, imu_message, realisti
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
 from replays import odometry_of
-from ros_harness import figures, lossless
+from ros_harness import latest_taken, lossless, taken
 from sensor_msgs.msg import Imu
 
-from dead_reckoning.core.kernels.live import take
-from dead_reckoning.core.kernels.memory import nothing
+from dead_reckoning.live import IntegratorChain
 
 TOPICS = {'rest': 'imu/data_raw', 'message': 'imu/data'}
 WARM_UP_NS = START_NS + 1_000 * NANOSECONDS
@@ -40,7 +39,7 @@ def test_live_and_replay_give_the_same_odometry(ros, tmp_path, attitude, case):
     }
     if case == 'compiled':
         pytest.importorskip('numba')
-        take(nothing())  # so that it is kept, and the node finds it
+        IntegratorChain.compile()  # so that it is kept, and the node finds it
     messages = [serialize_message(message) for message in realistic_samples()]
 
     ros.start('pipeline', {**settings, **lossless(f'/{topic}', '/odom')})
@@ -57,8 +56,8 @@ def test_live_and_replay_give_the_same_odometry(ros, tmp_path, attitude, case):
     warm_up.send_until(lambda: live.messages, 'odometry')
     said = ros.diagnostics()
     if case == 'compiled':
-        warm_up.send_until(lambda: said.of('pipeline') and taken(said) > 0, 'compiled code')
-    before = latest(ros, said) if case == 'compiled' else 0
+        warm_up.send_until(lambda: taken(said) > 0, 'compiled code')
+    before = latest_taken(ros, said) if case == 'compiled' else 0
     for message in messages:
         publisher.publish(message)
 
@@ -77,15 +76,4 @@ def test_live_and_replay_give_the_same_odometry(ros, tmp_path, attitude, case):
         atol=1e-9,
     )
     if case == 'compiled':
-        assert latest(ros, said) - before > 0.2 * len(messages)
-
-
-def latest(ros, said):
-    """Wait for the next figures; return how many messages went through compiled code."""
-    count = len(said.of('pipeline'))
-    ros.until(lambda: len(said.of('pipeline')) > count, 'figures')
-    return taken(said)
-
-
-def taken(said):
-    return int(figures(said.of('pipeline')[-1])['compiled'])
+        assert latest_taken(ros, said) - before > 0.2 * len(messages)

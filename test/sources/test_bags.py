@@ -248,6 +248,17 @@ def test_big_endian_messages_are_read_and_others_are_errors(tmp_path):
         list(read_imu(path))
 
 
+@pytest.mark.parametrize('read', [read_imu, lambda path: read_blocks(path, ['/imu'])])
+def test_damage_that_hides_messages_is_said(tmp_path, read):
+    path = write(tmp_path, 'mcap', {'/imu': (IMU, stamps(*range(1, 500)))})
+    file = tmp_path / FILES['mcap']
+    whole = file.read_bytes()
+    middle = len(whole) // 2
+    file.write_bytes(whole[:middle] + b'\x10' * 4000 + whole[middle + 4000 :])
+    with pytest.raises(RecordingError, match=r'walk: only \d+ of 499 messages can be read'):
+        list(read(path))
+
+
 def test_what_was_written_is_a_recording(tmp_path):
     path = tmp_path / 'written'
     writer = BagWriter(path, {'/imu': (IMU, False), '/rest': ('std_msgs/msg/Bool', True)})

@@ -83,6 +83,11 @@ def test_without_stamps_the_rate_makes_them(table):
     ]  # fmt: skip
 
 
+def test_a_rate_at_which_the_stamps_end_is_refused(table):
+    with pytest.raises(InputError, match='--rate 1e-09'):
+        table('ax,ay,az\n' + '0,0,9.8\n' * 4, 1e-9)
+
+
 def test_nan_and_stamps_that_go_back_are_left_to_the_chain(table):
     first, second = samples(table('stamp_ns,ax,ay,az\n9,nan,-INF,0\n3,0,0,9.8\n'))
     assert math.isnan(first.specific_force[0])

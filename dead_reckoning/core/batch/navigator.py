@@ -29,8 +29,8 @@ def navigator_run(
     """
 
     def run(block: ImuBlock, begin: int) -> tuple[int, list[Output]]:
-        last_ns = navigator._timeline._last_ns
-        if last_ns is None or not navigator.aligned or navigator.levelling:
+        last_ns = regular_since(navigator)
+        if last_ns is None:
             return NOTHING
         if is_turned(mountings, block.frame_id) or mountings(block.frame_id).translation != ZERO:
             return NOTHING
@@ -51,3 +51,9 @@ def navigator_run(
         return count, outputs
 
     return run
+
+
+def regular_since(navigator: InertialNavigator) -> int | None:
+    """Return the last stamp [ns] if it is aligned, and looks for no rest."""
+    regular = navigator.aligned and not navigator.levelling
+    return navigator._timeline._last_ns if regular else None

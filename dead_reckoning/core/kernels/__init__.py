@@ -31,8 +31,8 @@ RARE = {'error_model': 'numpy'}
 call."""
 
 SLOW = (
-    'numba is not there, so this takes many times as long: pip install numba (or '
-    'apt install python3-numba)'
+    'numba is not there, or NUMBA_DISABLE_JIT is set, so this takes many times as long: '
+    'pip install numba (or apt install python3-numba)'
 )
 """What a tool says once where `accelerated` is false."""
 
@@ -75,19 +75,21 @@ def compiled(function: Kernel) -> Kernel:
     return call  # type: ignore[return-value]
 
 
-def kept(function: Kernel, *arguments: Any) -> Kernel | None:
-    """Return a kernel for such arguments as an earlier run has kept it; None: not compiled yet."""
+def load(kernel: Kernel, *arguments: Any) -> bool:
+    """Load a kernel for such arguments, if an earlier run has kept it; say whether it has."""
     if not accelerated():
-        return None
-    dispatcher: Any = _kept(unwrap(function))
+        return False
+    dispatcher: Any = _kept(unwrap(kernel))
     signature = tuple(map(_numba().typeof, arguments))
+    if signature in dispatcher.overloads:
+        return True
     code = dispatcher._cache.load_overload(signature, dispatcher.targetctx)
-    if code is None:
-        return None
-    dispatcher.add_overload(code)
-    return dispatcher  # type: ignore[no-any-return]
+    if code is not None:
+        dispatcher.add_overload(code)
+    return code is not None
 
 
+@cache
 def _kept(function: Any) -> Callable[..., Any]:
     """Compile a function and keep what comes of it for the next run, where that is possible."""
     from numba.core.caching import FunctionCache

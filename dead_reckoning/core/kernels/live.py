@@ -1,20 +1,19 @@
-"""Take one message from bytes to bytes: the whole chain in one call, on a memory that stays.
+"""Take one message from bytes to bytes, on a memory that stays.
 
-The equations are those of the kernels for blocks, which take a block of one sample here.
+The equations are those of the kernels for blocks, which take a block of one sample here.  `take`
+is a whole chain with an integrator.  With the navigator its own kernels come between `read` and
+`write`: detectors of rest are many, and its state is an array of its own.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from dead_reckoning.core.kernels import compiled
 from dead_reckoning.core.kernels.columns import (
     Array,
     ImuColumns,
     matrix,
-    measured,
     put,
     quaternion,
     triple,
@@ -35,15 +34,14 @@ from dead_reckoning.core.kernels.memory import (
     HEADING_VARIANCE,
     HOLD,
     IMU,
-    IMU_DOUBLES,
     LAST,
     LIMIT,
     LINE,
     LONGEST,
+    NAVIGATED,
     NOISE,
     NOTHING,
     ODOMETRY,
-    ODOMETRY_DOUBLES,
     REQUIRED,
     STAMP,
     TAIL,
@@ -59,14 +57,11 @@ from dead_reckoning.core.kernels.memory import (
     table,
     ticks,
 )  # fmt: skip
+from dead_reckoning.core.kernels.messages import read_imu, write_odometry
+from dead_reckoning.core.kernels.navigation.filter import regular
+from dead_reckoning.core.kernels.navigation.layout import state_columns
 from dead_reckoning.core.kernels.resampler import resample
-from dead_reckoning.core.rotation import (
-    NO_ROTATION,
-    matrix_from_quaternion,
-    rotate_back,
-    rotate_covariance,
-)
-from dead_reckoning.core.samples import NANOSECONDS, UNMEASURED_VARIANCE, Matrix
+from dead_reckoning.core.rotation import NO_ROTATION
 
 IRREGULAR = -1
 RESTS, HEADS, CELL = 1, 2, 4
@@ -80,26 +75,17 @@ def take(memory: Array) -> int:
     `IRREGULAR` says that nothing has changed: the sample is one for the stream.
     """
     clock = ticks(memory, CLOCK)
-    imu = _read(part(memory, IMU), clock[STAMP : STAMP + 1])
+    imu = read_imu(part(memory, IMU), clock[STAMP : STAMP + 1])
     stamp_ns, last_ns = clock[STAMP], clock[LAST]
-    if stamp_ns == 0 or not 0 < stamp_ns - last_ns <= clock[LONGEST]:
+    if not _in_time(clock):
         return IRREGULAR
     levelled = levelled_of(memory)
-    regular, turned = _level(memory, imu, last_ns, levelled)
-    if not regular:
+    usable, turned = _level(memory, imu, last_ns, levelled)
+    if not usable:
         return IRREGULAR
-    found = 0
-    if clock[HEADED] != NOTHING:
-        regular, found = find_headings(
-            turned if clock[COUNTED] == AS_LEVELLED else imu,
-            0,
-            clock[HEADING],
-            part(memory, HEADING_VARIANCE)[0],
-            clock[HEADED] == REQUIRED,
-            headings_of(memory),
-        )
-        if not regular:
-            return IRREGULAR
+    usable, found = _find_heading(memory, clock, turned if clock[COUNTED] == AS_LEVELLED else imu)
+    if not usable:
+        return IRREGULAR
     state = state_of(memory)
     if not integrate(
         turned,
@@ -113,36 +99,63 @@ def take(memory: Array) -> int:
         state,
     ):
         return IRREGULAR
+    write_odometry(stamp_ns, state, part(memory, ODOMETRY))
+    return _count(memory, clock, imu, found) + (RESTS if state.stationary[0] else 0)
+
+
+@compiled
+def read(memory: Array, rows: Array) -> int:
+    """Read the Imu that lies in the memory as the row, shape (1, ROW), that a navigator filters.
+
+    Returns what `take` returns, but for rest, and that after the sample was counted too.
+    """
+    clock = ticks(memory, CLOCK)
+    imu = read_imu(part(memory, IMU), clock[STAMP : STAMP + 1])
+    if not _in_time(clock):
+        return IRREGULAR
+    max_gap, variance = part(memory, NAVIGATED)[0], part(memory, NAVIGATED)[1]
+    if not regular(imu, 0, clock[LAST], max_gap, variance, rows):
+        return IRREGULAR
+    usable, found = _find_heading(memory, clock, imu)
+    if not usable:
+        return IRREGULAR
+    return _count(memory, clock, imu, found)
+
+
+@compiled
+def write(memory: Array, rows: Array, stamp_ns: int) -> None:
+    """Write a state of the navigator, shape (1, STATE_ROW), as the Odometry of a stamp."""
+    p, v, q, pp, vv, qq, w, ww = state_columns(rows)
+    state = StateColumns(p, v, q, pp, vv, qq, w, ww, w[0])
+    write_odometry(stamp_ns, state, part(memory, ODOMETRY))
+
+
+def _in_time(clock: Any) -> bool:
+    """Say whether a sample comes after the last one, and soon."""
+    return bool(clock[STAMP] != 0 and 0 < clock[STAMP] - clock[LAST] <= clock[LONGEST])
+
+
+def _find_heading(memory: Array, clock: Any, imu: ImuColumns) -> tuple[int, int]:
+    """Look for the heading that steps need: whether that is regular, and whether it is there."""
+    if clock[HEADED] == NOTHING:
+        return 1, 0
+    return find_headings(
+        imu,
+        0,
+        clock[HEADING],
+        part(memory, HEADING_VARIANCE)[0],
+        clock[HEADED] == REQUIRED,
+        headings_of(memory),
+    )
+
+
+def _count(memory: Array, clock: Any, imu: ImuColumns, found: int) -> int:
+    """Take a sample that nothing refused; return what the steps get of it."""
     made = _wait(memory, clock, imu) if clock[COUNTED] != NOTHING else 0
     if found:
-        clock[HEADING] = stamp_ns
-    clock[LAST] = stamp_ns
-    _write(part(memory, IMU), state, part(memory, ODOMETRY))
-    rests = RESTS if state.stationary[0] else 0
-    return CELL * made + HEADS * found + rests
-
-
-def _read(message: Array, stamp_ns: Any) -> ImuColumns:
-    """Read an Imu as `wire.decode_imu` does, in place; no stamp is 0."""
-    seconds, nanoseconds = message.view(np.int32)[2], message.view(np.uint32)[3]
-    whole = np.int64(nanoseconds) < NANOSECONDS
-    stamp_ns[0] = np.int64(seconds) * NANOSECONDS + np.int64(nanoseconds) if whole else 0
-    doubles = message[len(message) - IMU_DOUBLES :]
-    if not doubles[4] >= 0.0 or not doubles[:4].any():
-        doubles[:4] = 0.0
-        doubles[4] = -1.0
-    if not doubles[16] >= 0.0:
-        doubles[13:16] = 0.0
-        doubles[16] = -1.0
-    return ImuColumns(
-        stamp_ns,
-        doubles[25:28].reshape((1, 3)),
-        doubles[28:37].reshape((1, 9)),
-        doubles[13:16].reshape((1, 3)),
-        doubles[16:25].reshape((1, 9)),
-        doubles[:4].reshape((1, 4)),
-        doubles[4:13].reshape((1, 9)),
-    )
+        clock[HEADING] = clock[STAMP]
+    clock[LAST] = clock[STAMP]
+    return CELL * made + HEADS * found
 
 
 def _level(
@@ -191,34 +204,3 @@ def _wait(memory: Array, clock: Any, imu: ImuColumns) -> int:
     )
     clock[HEAD], clock[TAIL] = head + released, tail
     return int(made)
-
-
-def _write(imu: Array, state: StateColumns, odometry: Array) -> None:
-    """Write an Odometry as `wire.odometry_encoder` does; head and frames are there already."""
-    odometry[1] = imu[1]  # the stamp
-    d = odometry[len(odometry) - ODOMETRY_DOUBLES :]
-    attitude = quaternion(state.attitude, 0)
-    a, b, c, d_, e, f, g, h, i = rot_wb = matrix_from_quaternion(attitude)
-    put(d[:3], vector(state.position, 0))
-    d[3], d[4], d[5], d[6] = attitude
-    _put_blocks(
-        d[7:43], matrix(state.position_covariance, 0), matrix(state.attitude_covariance, 0)
-    )
-    put(d[43:46], rotate_back(rot_wb, vector(state.velocity, 0)))
-    velocity = rotate_covariance(
-        (a, d_, g, b, e, h, c, f, i), matrix(state.velocity_covariance, 0)
-    )
-    put(d[46:49], vector(state.angular_velocity, 0))
-    huge = UNMEASURED_VARIANCE
-    rate = (huge, 0.0, 0.0, 0.0, huge, 0.0, 0.0, 0.0, huge)
-    if measured(state.angular_velocity_covariance, 0):
-        rate = matrix(state.angular_velocity_covariance, 0)
-    _put_blocks(d[49:], velocity, rate)
-
-
-def _put_blocks(out: Array, first: Matrix, second: Matrix) -> None:
-    """Write two covariances, shape (3, 3), on the diagonal of one, shape (6, 6)."""
-    for row in range(3):
-        for column in range(3):
-            out[6 * row + column] = first[3 * row + column]
-            out[21 + 6 * row + column] = second[3 * row + column]

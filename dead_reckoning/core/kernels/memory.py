@@ -6,7 +6,7 @@ one.  The functions that find parts are used by Python and by kernels alike.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -32,12 +32,14 @@ CELLS = GROWTH + len(Growth._fields)
 LINE = CELLS + len(Cells._fields)
 HEADINGS = LINE + 2
 HEADING_VARIANCE = HEADINGS + len(HeadingColumns._fields)
-PARTS = HEADING_VARIANCE + 1
+NAVIGATED = HEADING_VARIANCE + 1
+PARTS = NAVIGATED + 1
 """Parts of the memory, the first of several: the messages, each from four bytes before it on, so
 that its doubles are aligned; whole numbers, by the names below; attitude, or zeros where it comes
 with the message, its covariance, gravity and its variance, covariance of the force; what the
 kernels make, know and keep; stamps and forces of the samples that wait in order; headings, and the
-variance of those without one."""
+variance of those without one; for the navigator, whose state is its own, the longest step and the
+variance of a rate without one."""
 
 STAMP, LAST, LONGEST, COUNTED, HEADED, HEADING, HOLD, LIMIT, HEAD, TAIL = range(10)
 """Elements of the clock: stamps of this sample and the last, longest step; what steps are counted
@@ -52,21 +54,26 @@ WELCOME, REQUIRED = 1, 2
 """What an orientation is for those headings."""
 
 
-def packed(parts: Sequence[NDArray[Any]]) -> Array:
+def packed(parts: Mapping[int, NDArray[Any]]) -> Array:
     """Return arrays as parts of a memory, whose first words say where each begins."""
+    empty = np.zeros(0)
     words = [
         np.ravel(part).view(np.float64) if part.dtype == np.int64 else np.ravel(part).astype(float)
-        for part in parts
+        for part in (parts.get(number, empty) for number in range(PARTS))
     ]
-    begins = np.cumsum([len(parts) + 1, *map(len, words)])
+    begins = np.cumsum([PARTS + 1, *map(len, words)])
     return np.concatenate([begins.view(np.float64), *words])
 
 
+def numbered(first: int, parts: Iterable[NDArray[Any]]) -> dict[int, NDArray[Any]]:
+    """Return parts that follow each other, by their numbers."""
+    return dict(enumerate(parts, first))
+
+
 def nothing() -> Array:
-    """Return a memory in which no sample is, for whoever wants `take` to be compiled."""
-    messages = (np.zeros(2 + doubles) for doubles in (IMU_DOUBLES, ODOMETRY_DOUBLES))
-    clock, rest = np.zeros(TAIL + 1, np.int64), [np.zeros(0)] * (PARTS - ATTITUDE)
-    return packed([*messages, clock, *rest])
+    """Return a memory in which no sample is, for whoever wants kernels to be compiled."""
+    imu, odometry = (np.zeros(2 + doubles) for doubles in (IMU_DOUBLES, ODOMETRY_DOUBLES))
+    return packed({IMU: imu, ODOMETRY: odometry, CLOCK: np.zeros(TAIL + 1, np.int64)})
 
 
 def part(memory: Array, number: int) -> Array:

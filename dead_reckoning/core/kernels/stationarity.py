@@ -1,4 +1,4 @@
-"""Judge rest from samples in a moving window, with a threshold that follows the gait."""
+"""Judge rest from samples in a moving window, with a threshold that follows noise and gait."""
 
 from __future__ import annotations
 
@@ -10,13 +10,16 @@ import numpy as np
 from dead_reckoning.core.kernels.columns import Array
 from dead_reckoning.core.stationarity import Watch
 
-BEHIND, AHEAD, MINIMUM, HYSTERESIS, MEMORY, EXPONENT, GRAVITY, LEAST, MOST, WEIGHT = range(10)
+BEHIND, AHEAD, MINIMUM, HYSTERESIS, MEMORY, FACTOR, GRAVITY, FLOOR, SHARE, WEIGHT = range(10)
 """Elements of the rules: those of `Watch`, and the detector's own."""
 
 COUNT, LOW, RUN, RESTS, START = range(5)
 """Elements of the state: samples so far; whether the last was below the threshold, and how many in
 a row; the last verdict; begin of the rings.  These are the samples of the window, (statistic,
 threshold, low) of the shortest rest, and two queues."""
+
+LASTING = 2
+"""A statistic that is kept for so many windows is a swing; what is shorter may be a knock."""
 
 
 class Sums(NamedTuple):
@@ -33,17 +36,14 @@ class Sums(NamedTuple):
 
 def state_of(watch: Watch) -> Array:
     """Return the state before the first sample."""
-    return np.zeros(
-        START
-        + 6 * (watch.behind + watch.ahead + 1)
-        + 3 * watch.minimum
-        + 2 * (2 + 2 * (watch.memory + 2))
-    )
+    width = watch.behind + watch.ahead + 1
+    queues = _length(LASTING * width - 1) + _length(watch.memory)
+    return np.zeros(START + 6 * width + 3 * watch.minimum + queues)
 
 
-def rules_of(watch: Watch, least: float, most: float, weight: float) -> Array:
-    """Return what the kernel goes by: the threshold is from ``least`` to ``most``."""
-    return np.array([*watch, least, most, weight], np.float64)
+def rules_of(watch: Watch, floor: float, share: float, weight: float) -> Array:
+    """Return what the kernel goes by: the threshold is a ``share`` of a swing or the ``floor``."""
+    return np.array([*watch, floor, share, weight], np.float64)
 
 
 def window_sums(sample: Array, rules: Array, state: Array) -> Sums:
@@ -68,23 +68,25 @@ def window_sums(sample: Array, rules: Array, state: Array) -> Sums:
 def judge(statistic: float, rules: Array, state: Array, verdict: Array) -> None:
     """Judge by the statistic of the window, shape (3,) the verdict: rest is low for long enough.
 
-    Low is below T = min(max(q₀, least)^(1 − e) · max(q₁, least)^e, most) with the least and the
-    greatest statistic over the memory, q₀ and q₁, and the exponent e.
+    Low is below T = max(floor, share · q₁) with q₁ the greatest statistic that lasted, of those in
+    the memory.
     """
     ahead, minimum, memory = int(rules[AHEAD]), int(rules[MINIMUM]), int(rules[MEMORY])
     verdict[0], verdict[1], verdict[2] = nan, nan, 0.0
     j = int(state[COUNT]) - 1 - ahead  # the sample in the middle of the window
     if j < 0:
         return
-    begin = START + 6 * (int(rules[BEHIND]) + ahead + 1)
+    width = int(rules[BEHIND]) + ahead + 1
+    begin = START + 6 * width
     recent = state[begin : begin + 3 * minimum].reshape((minimum, 3))
     begin += 3 * minimum
-    half = 2 + 2 * (memory + 2)
-    lows, highs = state[begin : begin + half], state[begin + half : begin + 2 * half]
-    least, exponent = rules[LEAST], rules[EXPONENT]
-    low = max(_least(lows, memory, j, statistic), least)
-    high = max(-_least(highs, memory, j, -statistic), least)
-    threshold = min(low ** (1.0 - exponent) * high**exponent, rules[MOST])
+    span = LASTING * width - 1
+    middle = begin + _length(span)
+    lasting = _least(state[begin:middle], span, j, statistic)
+    if j < span:
+        lasting = 0.0
+    swing = -_least(state[middle : middle + _length(memory)], memory, j, -lasting)
+    threshold = max(rules[FLOOR], rules[SHARE] * swing)
     factor = rules[HYSTERESIS] if state[LOW] else 1.0
     state[LOW] = 1.0 if statistic < factor * threshold else 0.0
     state[RUN] = state[RUN] + 1.0 if state[LOW] else 0.0
@@ -96,6 +98,11 @@ def judge(statistic: float, rules: Array, state: Array, verdict: Array) -> None:
     rests = state[RUN] >= minimum or (state[RESTS] > 0.0 and recent[slot, 2] > 0.0)
     state[RESTS] = 1.0 if rests else 0.0
     verdict[0], verdict[1], verdict[2] = recent[slot, 0], recent[slot, 1], state[RESTS]
+
+
+def _length(memory: int) -> int:
+    """Return how long the array of a queue over a memory is."""
+    return 2 + 2 * (memory + 2)
 
 
 def _least(queue: Array, memory: int, j: int, value: float) -> float:

@@ -38,9 +38,13 @@ class Aids:
         """The least stamp of those that wait, at least one [ns]."""
         return min(stamp_ns for stamp_ns, _, _ in self.waiting)
 
-    def clear(self) -> None:
-        """Drop those that wait."""
+    def drop(self, *kinds: int) -> bool:
+        """Drop those of some kinds that wait; say whether the last of these was among them."""
+        dropped = [aid[1] for aid in self.waiting if aid[1] in kinds]
+        kept = [aid for aid in self.waiting if aid[1] not in kinds]
         self.waiting.clear()
+        self.waiting.extend(kept)
+        return kinds[-1] in dropped
 
     def add(self, stamp_ns: int, kind: int, values: Sequence[float]) -> None:
         """Take one, of a kind of `layout`; its age is added to the values."""

@@ -8,7 +8,7 @@ from math import degrees, hypot
 import numpy as np
 
 from dead_reckoning.core.blocks import Array, Stamps
-from dead_reckoning.core.errors import NotLevelledError
+from dead_reckoning.core.errors import GravityError, NotLevelledError
 from dead_reckoning.core.kernels.navigation import layout
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.rest import check_gravity, level_variances
@@ -67,6 +67,7 @@ class Alignment:
 
     def __init__(self, settings: NavigatorSettings) -> None:
         self._settings = settings
+        self._wrong: GravityError | None = None  # with the last rest, which was none
         self.clear()
 
     def clear(self) -> None:
@@ -87,11 +88,17 @@ class Alignment:
         stamps, rows = self._stamps, self._rows
         still = self._search.add(imu)
         if still is None:
+            if self._wrong is not None:
+                raise NotLevelledError(f'waiting for rest: {self._wrong}') from self._wrong
             raise NotLevelledError(
                 'waiting for rest: the tilt is taken from gravity, so keep the device still '
                 f'for {self._settings.rest_duration:g} s'
             )
-        gravity = check_gravity(still.force.mean)
+        try:
+            gravity = check_gravity(still.force.mean)
+        except GravityError as error:
+            self._wrong = error
+            raise
         samples = np.array(rows)
         samples[1:, 0] = np.diff(stamps) / NANOSECONDS
         rate = (len(stamps) - 1) * NANOSECONDS / (stamps[-1] - stamps[0])

@@ -26,7 +26,7 @@ def detector_of(
         max(1, min(round(settings.minimum * rate), total - ahead + 1)),
         settings.hysteresis,
         round(settings.memory * rate),
-        settings.exponent,
+        settings.rest_factor,
         gravity,
     )
     classes = [detector_class(name) for name in settings.detector]

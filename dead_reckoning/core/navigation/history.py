@@ -46,7 +46,7 @@ class Stretch:
     @property
     def filtered(self) -> int:
         """How many of its stamps are filtered at its end."""
-        return max(0, self.count - self.first)
+        return min(len(self.stamps), max(0, self.count - self.first))
 
     def add(self, samples: Array, verdicts: Array, aids: Array, stamps: Stamps) -> None:
         """Keep rows; those that stand for no sample close the stretch, and have no stamps."""

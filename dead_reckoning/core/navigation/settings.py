@@ -371,7 +371,11 @@ class NavigatorSettings(Settings, prefix='navigator'):
         0.05, 'Over how long a detector looks', unit='s', minimum=0.0, maximum=10.0
     )
     minimum: float = parameter(
-        0.02, 'How long a rest is at least', unit='s', minimum=0.0, maximum=10.0
+        0.02,
+        'How long a rest is at least, as far as look_ahead reaches',
+        unit='s',
+        minimum=0.0,
+        maximum=10.0,
     )
     look_ahead: float = parameter(
         0.045,
@@ -386,17 +390,17 @@ class NavigatorSettings(Settings, prefix='navigator'):
     )
     memory: float = parameter(
         2.0,
-        'Over how long the threshold follows the gait: the longest stride',
+        'Over how long the threshold follows the swings of the gait: the longest stride',
         unit='s',
         minimum=0.0,
         maximum=60.0,
     )
-    exponent: float = parameter(
-        0.3,
-        'Where the threshold lies between the least (0) and the greatest (1) statistic of the '
-        'gait, in their logarithm',
-        minimum=0.0,
-        maximum=1.0,
+    rest_factor: float = parameter(
+        1.5,
+        'So many times what a detector showed of the rest that the navigator aligned at is rest '
+        'still, which noise hardly reaches',
+        minimum=1.0,
+        maximum=100.0,
     )
 
     @property

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 from dead_reckoning.core.blocks import Array, Stamps, StateBlock
@@ -66,7 +65,5 @@ def state_of(stamp_ns: int, values: list[float]) -> NavigationState:
 
 def state_block(stamps: Stamps, rows: Array) -> StateBlock:
     """Return rows of the kernel, shape (n, STATE_ROW), as a block."""
-    ends = (0, 3, 6, 10, 19, 28, 37, 40, 49)
-    columns: list[Any] = [rows[:, a:b] for a, b in pairwise(ends)]
-    columns.append(rows[:, 49 + STATIONARY] > 0.0)
+    columns: list[Any] = [*layout.state_columns(rows), rows[:, 49 + STATIONARY] > 0.0]
     return StateBlock(stamps, *columns)

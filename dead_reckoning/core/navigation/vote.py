@@ -35,6 +35,11 @@ class Vote:
         nothing = (np.nan, np.nan, 0.0)
         self._early = [np.tile(nothing, (self.delay - d.delay, 1)) for d in self._detectors]
 
+    def learn(self, rest: Array) -> None:
+        """Let each learn from a rest, as `StationarityDetector` has it."""
+        for detector in self._detectors:
+            detector.learn(rest)
+
     def take(self, samples: Array, verdicts: Array) -> None:
         """Judge samples, as `StationarityDetector` has it."""
         n, said = len(samples), np.empty_like(verdicts)

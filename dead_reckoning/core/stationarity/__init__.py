@@ -25,8 +25,8 @@ class Watch(NamedTuple):
     ``behind``, ``ahead``   samples of its window before and after the one it judges.
     ``minimum``       samples of the shortest rest.
     ``hysteresis``    so many times the threshold ends a rest.
-    ``memory``        samples over which the threshold follows the statistic.
-    ``exponent``      where it lies between the least and the greatest of these.
+    ``memory``        samples over which the threshold follows the swings.
+    ``factor``        so many times what a known rest showed is rest still.
     ``gravity``       magnitude of the specific force at rest [m/s²].
     """
 
@@ -35,7 +35,7 @@ class Watch(NamedTuple):
     minimum: int
     hysteresis: float
     memory: int
-    exponent: float
+    factor: float
     gravity: float
 
     @property
@@ -61,6 +61,12 @@ class StationarityDetector(Protocol):
 
     def reset(self) -> None:
         """Forget all samples."""
+
+    def learn(self, rest: NDArray[np.float64]) -> None:
+        """Find out the noise from samples at rest, shape (n, ≥ 7), as `take` has them.
+
+        The samples that were taken so far are not forgotten.
+        """
 
     def take(self, samples: NDArray[np.float64], verdicts: NDArray[np.float64]) -> None:
         """Judge samples, shape (n, ≥ 7): time step, specific force [m/s²], rate [rad/s].

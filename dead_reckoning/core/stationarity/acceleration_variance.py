@@ -14,13 +14,13 @@ from dead_reckoning.core.parameters import Settings, parameter
 
 @dataclass(frozen=True, kw_only=True)
 class AccelerationVarianceSettings(Settings, prefix='navigator.acceleration_variance'):
-    """Bounds of the threshold."""
+    """What the threshold follows."""
 
     least: float = parameter(
-        0.3, 'Deviation that a stance has by itself', unit='m/s²', minimum=1e-6, maximum=1000.0
+        0.2, 'What a foot that stands quietly shows', unit='m/s²', minimum=1e-6, maximum=1000.0
     )
-    most: float = parameter(
-        8.0, 'The threshold is never above this', unit='m/s²', minimum=1e-6, maximum=1000.0
+    share: float = parameter(
+        0.04, 'Part of a swing that a stance may show, as it rolls', minimum=0.0, maximum=1.0
     )
 
 

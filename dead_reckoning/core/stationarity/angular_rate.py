@@ -14,14 +14,14 @@ from dead_reckoning.core.parameters import Settings, parameter
 
 @dataclass(frozen=True, kw_only=True)
 class AngularRateSettings(Settings, prefix='navigator.angular_rate'):
-    """Bounds of the threshold."""
+    """What the threshold follows."""
 
     least: float = parameter(
-        0.15, 'Rate that a stance has by itself, as it rolls', unit='rad/s', minimum=1e-6,
+        0.05, 'What a foot that stands quietly shows: 3 °/s', unit='rad/s', minimum=1e-6,
         maximum=100.0,
     )  # fmt: skip
-    most: float = parameter(
-        2.0, 'The threshold is never above this', unit='rad/s', minimum=1e-6, maximum=100.0
+    share: float = parameter(
+        0.1, 'Part of a swing that a stance may show, as it rolls', minimum=0.0, maximum=1.0
     )
 
 

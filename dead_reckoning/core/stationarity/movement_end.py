@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot
 from typing import ClassVar
+
+import numpy as np
 
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.kernels.columns import Array
@@ -26,7 +28,7 @@ class MovementEndSettings(Settings, prefix='navigator.movement_end'):
     )
     deviation: float = parameter(
         0.15,
-        'Largest standard deviation of samples whose mean counts as none',
+        'Largest standard deviation of samples whose mean counts as none; noise at rest raises it',
         unit='m/s²',
         minimum=0.0,
         maximum=1000.0,
@@ -42,7 +44,8 @@ class MovementEnd:
     Freescale AN3397 counts samples inside the discrimination window; docs/integrator.md, "Movement
     end".  Here they are those of |f| − g, as a body that turns has no axis of its own to count on.
     The rest ends with the first sample outside.  It looks at no sample ahead, and the windows,
-    durations and thresholds of the other detectors are not its own.
+    durations and thresholds of the other detectors are not its own.  Where noise leaves the window
+    the mean counts, so of the two it is the deviation that follows the noise at rest.
     """
 
     Settings: ClassVar[type[Settings]] = MovementEndSettings
@@ -50,7 +53,8 @@ class MovementEnd:
 
     def __init__(self, settings: MovementEndSettings, watch: Watch) -> None:
         """Take gravity from what all detectors know."""
-        self._gravity = watch.gravity
+        self._gravity, self._factor = watch.gravity, watch.factor
+        self._deviation = settings.deviation
         self._window = settings.window
         self._rules = IntegratorSettings(
             window_minimum=-settings.window,
@@ -63,6 +67,12 @@ class MovementEnd:
     def reset(self) -> None:
         """Forget all samples."""
         self._count = Count()
+
+    def learn(self, rest: Array) -> None:
+        """Take the deviation of a rest, as `StationarityDetector` has it."""
+        noise = float(np.linalg.norm(rest[:, 1:4], axis=1).std())
+        largest = max(self._deviation, self._factor * noise)
+        self._rules = replace(self._rules, movement_end_deviation=largest)
 
     def take(self, samples: Array, verdicts: Array) -> None:
         """Judge samples, as `StationarityDetector` has it."""

@@ -14,17 +14,14 @@ from dead_reckoning.core.parameters import Settings, parameter
 
 @dataclass(frozen=True, kw_only=True)
 class ShoeSettings(Settings, prefix='navigator.shoe'):
-    """Bounds and weight of the generalised likelihood ratio."""
+    """What the threshold follows, and the weight of the generalised likelihood ratio."""
 
     least: float = parameter(
-        0.15,
-        'Statistic that a stance has by itself, as it rolls: 8 °/s',
-        unit='rad/s',
-        minimum=1e-6,
+        0.05, 'What a foot that stands quietly shows: 3 °/s', unit='rad/s', minimum=1e-6,
         maximum=100.0,
-    )
-    most: float = parameter(
-        2.0, 'The threshold is never above this', unit='rad/s', minimum=1e-6, maximum=100.0
+    )  # fmt: skip
+    share: float = parameter(
+        0.12, 'Part of a swing that a stance may show, as it rolls', minimum=0.0, maximum=1.0
     )
     weight: float = parameter(
         0.25,

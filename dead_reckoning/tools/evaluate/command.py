@@ -59,9 +59,11 @@ def main(arguments: argparse.Namespace) -> int:
         raise InputError('--topic names one of the recording that --truth names, which is missing')
     if arguments.delta_unit == 'frames' and arguments.delta % 1.0:
         raise InputError(f'--delta {arguments.delta:g}: frames are whole')
+    output = arguments.output or arguments.folder / 'evaluation.json'
+    if output.is_dir():
+        raise InputError(f'--output {output}: a folder, where a file is to be named')
     given = vars(arguments)
     evaluation = compare(Options(**{name: given[name] for name in Options.__dataclass_fields__}))
-    output = arguments.output or arguments.folder / 'evaluation.json'
     with complete_or_absent(output.parent, [output.name]) as folder:
         figures = json.dumps(evaluation, indent=2)
         (folder / output.name).write_text(f'{figures}\n', encoding='utf-8')

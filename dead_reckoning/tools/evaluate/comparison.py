@@ -8,7 +8,7 @@ from typing import Any
 
 from dead_reckoning.core.errors import InputError
 from dead_reckoning.tools.evaluate.command import TRACKS
-from dead_reckoning.tools.evaluate.files import read_steps, read_trajectory, read_truth
+from dead_reckoning.tools.evaluate.files import has_rows, read_steps, read_trajectory, read_truth
 from dead_reckoning.tools.evaluate.metrics import (
     absolute_errors,
     consistency,
@@ -43,7 +43,8 @@ def compare(options: Options) -> Figures:
         raise InputError(f'{options.folder}: no folder; name one that dead-reckoning replay wrote')
     truth = read_truth(options.truth, options.topic) if options.truth else None
     evaluation: Figures = {'folder': str(options.folder), 'truth': _named(options)}
-    track = _track(options, wanted=isinstance(truth, Trajectory))
+    asked = isinstance(truth, Trajectory) or options.track is not None
+    track = _track(options, wanted=asked)
     if track is not None:
         estimate = read_trajectory(track)
         evaluation['trajectory'] = {'file': track.name, **_way(estimate)}
@@ -75,13 +76,16 @@ def _named(options: Options) -> Figures:
 
 
 def _track(options: Options, wanted: bool) -> Path | None:
-    """Return the table of poses to look at: that asked for, else the first there is."""
+    """Return the table of poses to look at: that asked for, else the first there is.
+
+    One without poses, as of steps without a heading, is none unless poses are ``wanted``.
+    """
     names = TRACKS if options.track is None else (options.track,)
     paths = [options.folder / f'{name}.csv' for name in names]
     for path in paths:
-        if path.exists():
+        if path.exists() and (wanted or has_rows(path)):
             return path
-    if wanted or options.track is not None:
+    if wanted:
         raise InputError(
             f'{options.folder}: no {" or ".join(path.name for path in paths)}; '
             'dead-reckoning replay writes it into the folder of each recording'

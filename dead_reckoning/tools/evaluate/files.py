@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterator, Sequence
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -25,6 +25,12 @@ DEVIATION = ('sx', 'sy', 'sz')
 TUM = ('timestamp', 'tx', 'ty', 'tz', 'qx', 'qy', 'qz', 'qw')
 WHOLE = ('stamp_ns', 'step')
 """Columns of whole numbers; the others hold any."""
+
+LATEST = 2.0**63 / 1e9
+"""What a timestamp has to be less than, to be one in nanoseconds [s]."""
+
+FARTHEST = 1e12
+"""A position farther from the origin [m] is a mistake; its square might be no number."""
 
 SHORTEST = 1e-3
 """The least norm of a quaternion; a shorter one is a mistake and no rotation."""
@@ -58,6 +64,9 @@ def read_trajectory(path: Path) -> Trajectory:
 def read_tum(path: Path) -> Trajectory:
     """Read ``timestamp tx ty tz qx qy qz qw`` [s, m], blanks between, # before comments."""
     columns = _columns(path, TUM, header=False)
+    latest = float(np.abs(columns['timestamp']).max(initial=0.0))
+    if latest >= LATEST:
+        raise InputError(f'{path}: {latest:.4g} is no timestamp in seconds')
     stamp_ns = np.rint(columns['timestamp'] * 1e9).astype(np.int64)
     return _trajectory(path, columns, TUM[1:], stamp_ns)
 
@@ -112,9 +121,13 @@ def _trajectory(
         raise InputError(
             f'{path}: the quaternion of pose {int(norm.argmin()) + 1} is no rotation: all but zero'
         )
+    position = np.column_stack([columns[name] for name in pose[:3]])
+    if np.abs(position).max() > FARTHEST:
+        row = int(np.abs(position).max(axis=1).argmax())
+        raise InputError(f'{path}: pose {row + 1} is at {position[row].tolist()} m')
     return Trajectory(
         stamp_ns,
-        np.column_stack([columns[name] for name in pose[:3]]),
+        position,
         attitude / norm,
         np.column_stack([columns[name] for name in deviation]) if deviation else None,
     )
@@ -128,6 +141,11 @@ def _check_order(path: Path, stamp_ns: NDArray[np.int64]) -> None:
             f'{path}: stamps do not increase: {stamp_ns[row]} comes after {stamp_ns[row - 1]} ns '
             f'({len(back)} times in all); compare one run at a time, in order'
         )
+
+
+def has_rows(path: Path) -> bool:
+    """Say whether a table has more than its header."""
+    return any(line.strip() for line in list(islice(_lines(path), 2))[1:])
 
 
 def _header(path: Path) -> list[str]:
@@ -192,7 +210,7 @@ def _refuse(path: Path, names: Sequence[str], places: Sequence[int], header: boo
             cell = cells[place].strip()
             whole = name in WHOLE
             try:
-                fine = math.isfinite(int(cell) if whole else float(cell))
+                fine = abs(int(cell)) < 2**63 if whole else math.isfinite(float(cell))
             except ValueError:
                 fine = False
             if not fine:

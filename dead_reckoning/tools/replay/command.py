@@ -46,23 +46,27 @@ def main(arguments: argparse.Namespace) -> int:
     """Replay the inputs; return the exit status: 1 where one of several failed."""
     from dead_reckoning.configuration import Configuration
     from dead_reckoning.core.errors import RecordingError, SettingsError
+    from dead_reckoning.core.kernels import SLOW, accelerated
+    from dead_reckoning.core.pipeline import Pipeline
+    from dead_reckoning.tools.files import made
     from dead_reckoning.tools.replay.many import executor, folders, run_all
     from dead_reckoning.tools.replay.progress import Progress
-    from dead_reckoning.tools.replay.run import Job
+    from dead_reckoning.tools.replay.run import Job, chosen
 
+    wanted = None if arguments.outputs is None else tuple(arguments.outputs.split(','))
     try:
         configuration = Configuration.load(arguments.config)
+        chosen(wanted, Pipeline(configuration, blocks=True))  # what is wrong for all is said once
     except SettingsError as error:
         raise InputError(f'--config {error}') from error
     at_once = min(arguments.jobs, len(arguments.inputs))
     alone = at_once == 1 and arguments.scheduler is None
-    wanted = arguments.outputs
     jobs = [
         Job(
             path=path.absolute(),
             folder=folder.absolute(),
             configuration=configuration,
-            wanted=None if wanted is None else tuple(wanted.split(',')),
+            wanted=wanted,
             imu=arguments.imu,
             rate=arguments.rate,
             watched=alone,
@@ -71,7 +75,10 @@ def main(arguments: argparse.Namespace) -> int:
             arguments.inputs, folders(arguments.inputs, arguments.output), strict=True
         )
     ]
+    if not accelerated():
+        print(SLOW, file=sys.stderr)
     with (
+        made(arguments.output),
         executor(at_once, arguments.scheduler) as pool,
         Progress('recordings', len(jobs), not alone) as progress,
     ):
@@ -100,7 +107,7 @@ def table(paths: list[Path], outcomes: list[Any]) -> str:
     rows: list[tuple[str, ...]] = [HEAD]
     for path, outcome in zip(paths, outcomes, strict=True):
         if isinstance(outcome, DeadReckoningError):
-            rows.append((str(path), str(outcome)))
+            rows.append((str(path), str(outcome).removeprefix(str(path.absolute())).lstrip(':, ')))
             continue
         figures = outcome.figures
         end = figures['end_position_m']

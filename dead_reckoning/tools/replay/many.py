@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 from dead_reckoning.core.errors import DeadReckoningError, DependencyError, InputError
 from dead_reckoning.tools.replay.progress import Progress
 from dead_reckoning.tools.replay.run import Job, Result, run
+from dead_reckoning.tools.signals import unwinding
 
 
 class Serial(Executor):
@@ -29,9 +31,40 @@ class Serial(Executor):
         return future
 
 
+class Pool(ProcessPoolExecutor):
+    """Do what is submitted in processes of their own, which end tidily with this one."""
+
+    def __init__(self, processes: int) -> None:
+        # Spawned, not forked: nobody knows which threads numpy and others have here.
+        with _deaf():
+            super().__init__(processes, multiprocessing.get_context('spawn'), _begin)
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Submit; the process that may start for it leaves Ctrl-C to this one."""
+        with _deaf():
+            return super().submit(_unwound, fn, *args, **kwargs)
+
+    def __exit__(self, *exception: Any) -> None:
+        """Wait for the processes, once an exception has ended what they do."""
+        if exception[0] is not None:
+            for worker in multiprocessing.active_children():
+                worker.terminate()
+        self.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Let processes that start here never hear what a terminal tells all of them."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 @contextmanager
 def executor(jobs: int, scheduler: str | None) -> Iterator[Executor]:
-    """Give what the options ask for; Ctrl-C leaves nothing running.
+    """Give what the options ask for; Ctrl-C and other ends leave nothing running.
 
     Raises `DependencyError` without Dask, `InputError` where no scheduler answers.
     """
@@ -39,19 +72,25 @@ def executor(jobs: int, scheduler: str | None) -> Iterator[Executor]:
         with _cluster(scheduler) as cluster:
             yield cluster
         return
-    pool: Executor = Serial()
-    if jobs > 1:
-        # Spawned, not forked: nobody knows which threads numpy and others have here.
-        pool = ProcessPoolExecutor(jobs, multiprocessing.get_context('spawn'), _begin)
-    try:
+    with Pool(jobs) if jobs > 1 else Serial() as pool:
         yield pool
-    finally:
-        pool.shutdown(cancel_futures=True)
+
+
+def _unwound(fn: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
+    with unwinding(signal.SIGTERM):
+        return fn(*args, **kwargs)
 
 
 def _begin() -> None:
-    """Let Ctrl-C, which all processes of a terminal hear, end a worker without a traceback."""
-    signal.signal(signal.SIGINT, lambda *_: sys.exit(130))
+    Thread(target=_follow, daemon=True).start()
+
+
+def _follow() -> None:
+    """End when the parent was killed: a worker would wait for more work for ever."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
 
 
 @contextmanager

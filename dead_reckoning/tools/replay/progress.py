@@ -22,6 +22,7 @@ class Progress:
         self._shown = watched and sys.stderr.isatty()
 
     def __enter__(self) -> Progress:
+        self.add(0)  # the first block may take long, where nothing is compiled yet
         return self
 
     def add(self, count: int) -> None:

@@ -59,8 +59,8 @@ def run(job: Job) -> Result:
     """
     began = time.perf_counter()
     pipeline = Pipeline(job.configuration, blocks=True)
-    chosen = _chosen(job.wanted, pipeline)
-    files = [name for output in chosen for name in output.FILES]
+    wanted = chosen(job.wanted, pipeline)
+    files = [name for output in wanted for name in output.FILES]
     source, folder = job.path.resolve(), job.folder.resolve()
     if any(folder / name in (source, *source.parents) for name in files):
         raise InputError(f'{job.path}: this would be replaced by what comes of it')
@@ -69,7 +69,7 @@ def run(job: Job) -> Result:
     try:
         with complete_or_absent(job.folder, files) as folder, ExitStack() as stack:
             takers = [task.summary.takers()]
-            takers += [stack.enter_context(output.write(folder, task)) for output in chosen]
+            takers += [stack.enter_context(output.write(folder, task)) for output in wanted]
             progress = stack.enter_context(Progress(task.name, recording.length, job.watched))
             for name, value in flow(pipeline.chain, recording, progress.add):
                 for taker in takers:
@@ -99,8 +99,11 @@ def flow(chain: Chain, recording: Recording, add: Callable[[int], object]) -> It
     yield BLOCK_END, None
 
 
-def _chosen(wanted: Iterable[str] | None, pipeline: Pipeline) -> list[Any]:
-    """Return the outputs asked for, or all there is something to write for."""
+def chosen(wanted: Iterable[str] | None, pipeline: Pipeline) -> list[Any]:
+    """Return the outputs asked for, or all there is something to write for.
+
+    Raises `InputError` for a name that is none, or for which there is nothing to write.
+    """
     known = outputs()
     given = ['', *pipeline.outputs]
     if pipeline.navigator is not None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dead_reckoning.core.blocks import AccelerationBlock, Stamped, StateBlock
+from dead_reckoning.core.blocks import AccelerationBlock, ImuBlock, Stamped, StateBlock
 from dead_reckoning.core.chain import FAULT, NOTICE
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import ReadingError, SampleError, WireError
@@ -29,6 +29,9 @@ from dead_reckoning.core.stages import (
 
 Array = NDArray[np.float64]
 Stamps = NDArray[np.int64]
+
+FORCE = 'specific force'
+"""Name of what is gathered of the input."""
 
 PLANE = (0, 1, 4, 8)
 """Where a covariance, shape (3, 3), has xx, xy, yy and zz."""
@@ -57,7 +60,10 @@ class Track:
 
 @dataclass(frozen=True, eq=False)
 class Accelerations:
-    """Linear acceleration [m/s²], world frame, a row for each stamp [ns]."""
+    """Linear acceleration, world frame, or specific force, the sensor's, for each stamp [ns].
+
+    A row each [m/s²].
+    """
 
     stamp_ns: Stamps
     acceleration: Array
@@ -105,6 +111,8 @@ class Contents:
         how many it has, those that were dropped included.
     ``odometry``, ``acceleration``
         of the integrator or navigator.
+    ``force``
+        specific force of the samples behind the states, where there is no linear acceleration.
     ``walked``, ``steps``
         of the pedometer.
     ``strides``, ``distance``
@@ -117,6 +125,7 @@ class Contents:
     samples: int
     odometry: Track | None = None
     acceleration: Accelerations | None = None
+    force: Accelerations | None = None
     walked: Track | None = None
     steps: Steps | None = None
     faults: Sequence[Fault] = ()
@@ -127,9 +136,13 @@ class Contents:
 
 
 class Collector:
-    """Gather what comes out of a chain of block stages, no more of it than is shown."""
+    """Gather what comes out of a chain of block stages, no more of it than is shown.
 
-    def __init__(self) -> None:
+    ``imu`` names the input whose specific force is shown, where no linear acceleration comes out.
+    """
+
+    def __init__(self, imu: str | None = None) -> None:
+        self._imu = imu
         self._columns: dict[str, list[tuple[Any, ...]]] = {}
         self._steps: list[PedometerState] = []
         self._counts = False
@@ -138,7 +151,9 @@ class Collector:
 
     def takers(self) -> Mapping[str, Callable[[Any], object]]:
         """Return what it takes, by name."""
+        force = {} if self._imu is None else {self._imu: self._add_force}
         return {
+            **force,
             ODOMETRY: lambda block: self._add(ODOMETRY, _track(block)),
             STEP_ODOMETRY: lambda block: self._add(STEP_ODOMETRY, _track(block)),
             ACCELERATION: lambda block: self._add(ACCELERATION, _acceleration(block)),
@@ -150,17 +165,22 @@ class Collector:
 
     def contents(self, name: str, samples: int, **more: Any) -> Contents:
         """Return all that came, with ``more`` that does not come out of a chain."""
-        odometry, walked, acceleration = (
+        odometry, walked, acceleration, force = (
             [np.concatenate(parts) for parts in zip(*self._columns[topic], strict=True)]
             if topic in self._columns
             else None
-            for topic in (ODOMETRY, STEP_ODOMETRY, ACCELERATION)
+            for topic in (ODOMETRY, STEP_ODOMETRY, ACCELERATION, FORCE)
         )
+        if force:
+            # Not those of samples that can't be used, whose stamps may be anything.
+            used = np.isin(force[0], odometry[0]) if odometry else np.zeros(len(force[0]), bool)
+            force = [column[used] for column in force]
         return Contents(
             name=name,
             samples=samples,
             odometry=Track(*odometry) if odometry else None,
             acceleration=Accelerations(*acceleration) if acceleration else None,
+            force=Accelerations(*force) if force else None,
             walked=Track(*walked) if walked else None,
             steps=_steps(self._steps) if self._counts else None,
             faults=list(self._faults.values()),
@@ -170,6 +190,9 @@ class Collector:
 
     def _add(self, topic: str, columns: tuple[Any, ...]) -> None:
         self._columns.setdefault(topic, []).append(columns)
+
+    def _add_force(self, block: ImuBlock) -> None:
+        self._add(FORCE, (block.stamp_ns, block.specific_force))
 
     def _begin(self, _: Stamped) -> None:
         self._counts = True

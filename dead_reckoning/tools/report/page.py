@@ -92,12 +92,12 @@ def _figures(contents: Contents, clock: Clock) -> str:
         from_start = metres(float(np.linalg.norm(walked.position[-1])))
         figures.append(_figure('end from start, on foot', from_start, *_end(walked, 2)))
     dropped = sum(len(fault.stamp_ns) for fault in contents.faults if fault.dropped)
-    share = f'{100.0 * dropped / max(contents.samples, 1):.2g} % of the samples'
+    each = 'counted by each estimator that could not use one'
     # That samples wait for rest at first is as it should be.
     marked = any(f.dropped and f.kind != NotLevelledError.__name__ for f in contents.faults)
     figures.append(
         _figure(
-            'dropped', f'{dropped:,}', share if dropped else 'every sample was used', marked=marked
+            'dropped', f'{dropped:,}', each if dropped else 'every sample was used', marked=marked
         )
     )
     return f'<dl class="figures">{"".join(figures)}</dl>'
@@ -150,6 +150,18 @@ def _sections(contents: Contents, clock: Clock) -> Iterator[str]:
             ),
             'Gravity is off.'
             + (' Grey: taken for rest, which returns velocity to zero.' if states else ''),
+        )
+    force = _filled(contents.force)
+    if force and not acceleration:
+        yield _section(
+            'Specific force',
+            picture(
+                'specific force over time',
+                lambda a: plots.acceleration(a, force, states, clock),
+                rows=3,
+                height=5.0,
+            ),
+            'Axes of the sensor, gravity is in it. Grey: taken for rest.',
         )
     sure = states or walked
     if sure:
@@ -249,9 +261,15 @@ def _closure(states: Track) -> float:
 
 
 def _end(states: Track, axes: int) -> tuple[str, str]:
-    at = ', '.join(f'{0.0 + round(v, 3):.3g}' for v in states.position[-1, :axes].tolist())
-    sigma = ', '.join(f'{v:.2g}' for v in states.sigma[-1, :axes].tolist())
+    at = ', '.join(_rounded(round(v, 3), 3) for v in states.position[-1, :axes].tolist())
+    sigma = ', '.join(_rounded(v, 2) for v in states.sigma[-1, :axes].tolist())
     return f'at {at} m', f'σ {sigma} m'
+
+
+def _rounded(value: float, digits: int) -> str:
+    """Return a number with so many digits, or all before its point, and no exponent of ten."""
+    said = f'{0.0 + value:.{digits}g}'
+    return f'{value:.0f}' if 'e+' in said else said
 
 
 def _samples(contents: Contents) -> list[str]:
@@ -275,7 +293,7 @@ def _words_on_ellipse(states: Track) -> str:
 
 def _words_on_height(states: Track) -> str:
     z = 0.0 + round(float(states.position[-1, 2]), 3)
-    return f'At the end {z:.3f} m, σ {states.sigma[-1, 2]:.2g} m.'
+    return f'At the end {z:.3f} m, σ {_rounded(states.sigma[-1, 2], 2)} m.'
 
 
 def metres(value: float) -> str:

@@ -15,7 +15,8 @@ from dead_reckoning.core.stationarity import Watch, detector_class
 
 NAMES = stationarity.names()
 GRAVITY = 9.8
-WATCH = Watch(3, 2, 4, 1.0, 30, 0.3, GRAVITY)
+WATCH = Watch(3, 2, 4, 1.0, 30, 1.5, GRAVITY)
+WIDTH = 6
 
 
 def samples(seed=0, count=400):
@@ -78,12 +79,75 @@ def test_statistic_is_the_formula_over_the_window(name):
 
 
 @pytest.mark.parametrize('name', FORMULAS)
-def test_threshold_lies_between_least_and_greatest_of_the_memory(name):
-    statistic, threshold, _ = judged(name, samples(), least=0.2, most=3.0).T
+def test_threshold_is_a_share_of_the_greatest_statistic_that_lasted(name):
+    statistic, threshold, _ = judged(name, samples(), least=0.2, share=0.3).T
+    lasted = np.zeros(len(statistic))
+    for k in range(2 * WIDTH - 1, len(statistic)):
+        lasted[k] = statistic[k - 2 * WIDTH + 1 : k + 1].min()
     for k in range(len(statistic)):
-        memory = statistic[max(0, k - WATCH.memory) : k + 1]
-        low, high = max(memory.min(), 0.2), max(memory.max(), 0.2)
-        assert threshold[k] == pytest.approx(min(low**0.7 * high**0.3, 3.0))
+        swing = lasted[max(0, k - WATCH.memory) : k + 1].max()
+        assert threshold[k] == pytest.approx(max(0.2, 0.3 * swing))
+    assert 0.2 < np.mean(threshold > 0.2) < 0.9
+
+
+def noise(random, count, force=0.02, rate=0.002):
+    """Return samples of a sensor at rest, with noises of [m/s²] and [rad/s]."""
+    rows = np.zeros((count, 7))
+    rows[:, 0] = 0.01
+    rows[:, 1:4] = random.normal(0.0, force, (count, 3))
+    rows[:, 4:7] = random.normal(0.0, rate, (count, 3))
+    rows[:, 3] += GRAVITY
+    return rows
+
+
+@pytest.mark.parametrize('name', FORMULAS)
+def test_the_least_threshold_is_so_many_times_the_statistic_of_a_rest(name):
+    rest = noise(np.random.default_rng(8), 60, force=1.0, rate=0.1)
+    kind = detector_class(name)
+    detector = kind(kind.Settings(share=0.0), WATCH)
+    verdicts = np.zeros((60, 3))
+    detector.take(rest, verdicts)
+    assert set(verdicts[detector.delay :, 1]) == {kind.Settings().least}
+    detector.learn(rest)
+    detector.take(rest, verdicts)  # after the others, which it has not forgotten
+    windows = [rest[k : k + WIDTH] for k in range(len(rest) - WIDTH + 1)]
+    expected = [FORMULAS[name](window[:, 1:4], window[:, 4:7]) for window in windows]
+    np.testing.assert_allclose(verdicts[WATCH.minimum - 1 :, 1], 1.5 * np.median(expected))
+    quiet = kind(kind.Settings(share=0.0), WATCH)
+    quiet.learn(noise(np.random.default_rng(8), 3, force=1e-3, rate=1e-4))  # less than a window
+    quiet.take(rest, verdicts)
+    assert verdicts[-1, 1] == kind.Settings().least
+
+
+@pytest.mark.parametrize('times', [1.0, 3.0, 10.0, 30.0])
+@pytest.mark.parametrize('name', NAMES)
+def test_noise_that_was_learnt_is_rest_and_much_more_is_not(name, times):
+    random = np.random.default_rng(9)
+    make = detector_class(name)
+    detector = make(make.Settings(), WATCH._replace(behind=10, ahead=10))
+    detector.learn(noise(random, 100, 0.02 * times, 0.002 * times))
+    verdicts = np.zeros((2000, 3))
+    detector.take(noise(random, 2000, 0.02 * times, 0.002 * times), verdicts)
+    assert verdicts[60:, 2].mean() > 0.97
+    if times == 30.0:  # less is a rest in any case
+        detector.take(noise(random, 2000, 2.5 * 0.02 * times, 2.5 * 0.002 * times), verdicts)
+        assert verdicts[60:, 2].mean() < 0.02
+
+
+def test_votes_are_learnt_by_each():
+    rest = noise(np.random.default_rng(10), 60, force=1.0, rate=0.1)
+    settings = NavigatorSettings(detector=('shoe', 'magnitude'), window=0.2, look_ahead=0.0)
+    both = detector_of(settings, (), GRAVITY, 100.0)
+    both.learn(rest)
+    verdicts = np.zeros((60, 3))
+    both.take(rest, verdicts)
+    assert verdicts[30:, 2].mean() > 0.9
+
+
+def test_a_knock_is_no_swing():
+    rows = noise(np.random.default_rng(11), 200)
+    rows[100:103, 1:4] += 200.0
+    assert set(judged('shoe', rows)[:, 1]) == {detector_class('shoe').Settings().least}
 
 
 @pytest.mark.parametrize('minimum', [1, 4, 9])
@@ -127,11 +191,7 @@ def test_after_a_reset_it_is_as_new(name):
 
 @pytest.mark.parametrize('name', NAMES)
 def test_a_sensor_in_noise_rests(name):
-    random = np.random.default_rng(4)
-    rows = np.column_stack(
-        [np.full(300, 0.01), random.normal(0.0, 0.02, (300, 3)), random.normal(0, 0.002, (300, 3))]
-    )
-    rows[:, 3] += GRAVITY
+    rows = noise(np.random.default_rng(4), 300)
     assert judged(name, rows)[30:, 2].all()
 
 

@@ -131,6 +131,16 @@ def test_counted_steps_and_paced_distance(folder):
     assert evaluation['trajectory']['loop_closure_m'] < 0.04
 
 
+def test_steps_without_a_heading_have_a_count_and_a_distance(folder):
+    (folder / 'odometry.csv').unlink()
+    write(folder / 'pedestrian.csv', [','.join(ODOMETRY_COLUMNS)])
+    status, evaluation = evaluate(folder, '--steps', 9, '--distance', 7.5)
+    assert status == 0
+    assert evaluation['steps']['estimate'] == 10
+    assert list(evaluation['distance_m']) == ['steps']
+    assert 'trajectory' not in evaluation
+
+
 def test_walk_without_steps_is_a_walk(folder):
     write(folder / 'steps.csv', ['stamp_ns,step,step_length,distance'])
     _, evaluation = evaluate(folder, '--steps', 0)
@@ -270,3 +280,24 @@ def record(path, kind):
                 )
             writer.write(connection, stamp_ns, store.serialize_cdr(message, name))
     return path
+
+
+def test_a_folder_is_no_output(folder, truth, capsys):
+    (folder / 'more').mkdir()
+    (folder / 'more/precious').write_text('')
+    assert evaluate(folder, '--truth', truth, '--output', folder / 'more')[0] == 2
+    assert '--output' in capsys.readouterr().err
+    assert (folder / 'more/precious').exists()
+
+
+@pytest.mark.parametrize(
+    ('line', 'words'),
+    [
+        ('1.7e18 0 0 0 0 0 0 1', '1.7e\\+18 is no timestamp in seconds'),
+        ('2 1e300 0 0 0 0 0 1', 'pose 2 is at'),
+    ],
+)
+def test_numbers_without_a_meaning_are_refused(folder, tmp_path, capsys, line, words):
+    truth = write(tmp_path / 'truth.tum', ['1 0 0 0 0 0 0 1', line])
+    assert evaluate(folder, '--truth', truth) == (2, None)
+    assert re.search(words, capsys.readouterr().err)

@@ -6,10 +6,12 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 
 import pytest
 from replay_recordings import STEPS, walk, write_bag, write_table
 
+from dead_reckoning.core import kernels
 from dead_reckoning.core.errors import DependencyError, InputError
 from dead_reckoning.core.stages import RAW
 from dead_reckoning.tools.main import main
@@ -72,6 +74,7 @@ def test_of_many_inputs_those_that_can_be_used_are(tmp_path, capsys, config, job
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines[1:]] == [str(path) for path in inputs]
     assert 'reindex' in lines[2]
+    assert lines[2].count(str(inputs[1])) == 1
     assert sorted(path.name for path in (tmp_path / 'out').iterdir()) == ['walk', 'walk-2']
     for name, path in (('walk', inputs[0]), ('walk-2', inputs[2])):
         assert replay(path, *options, '--output', tmp_path / 'alone') == 0
@@ -187,6 +190,32 @@ def test_wrong_options_are_refused(tmp_path, capsys, bag, config, options):
     assert refused(capsys, tmp_path / 'out', bag, *config_option, *options)
 
 
+@pytest.mark.parametrize(
+    'options', [['--outputs', 'x'], ['--outputs', 'smoothed'], ['--config', 'nowhere.yaml']]
+)
+def test_what_is_wrong_for_all_is_said_once(tmp_path, capsys, bag, config, options):
+    said = refused(capsys, tmp_path / 'out', bag, bag, '--config', config(), *options)
+    assert said.count(options[0]) == 1
+
+
+def test_without_numba_it_says_so_once_and_gives_the_same(
+    tmp_path, capsys, bag, config, monkeypatch
+):
+    options = ['--config', config(), '--outputs', 'summary']
+    assert replay(bag, *options, '--output', tmp_path / 'fast') == 0
+    assert 'numba is not there' not in capsys.readouterr().err
+    monkeypatch.setattr(kernels, '_numba', lambda: None)
+    assert replay(bag, bag, *options, '--output', tmp_path / 'slow') == 0
+    assert capsys.readouterr().err.count('numba is not there') == 1
+    fast, slow = (
+        json.loads((tmp_path / folder / 'summary.json').read_text())
+        for folder in ('fast', 'slow/walk')
+    )
+    for name in ('distance_m', 'path_length_m', 'end_position_m'):
+        assert slow.pop(name) == pytest.approx(fast.pop(name), abs=1e-9)
+    assert slow == fast
+
+
 def test_a_folder_that_can_not_be_written_is_refused(tmp_path, capsys, bag, config):
     output = tmp_path / 'out'
     output.write_text('a file')
@@ -201,8 +230,9 @@ def test_no_scheduler_is_said(tmp_path):
         pass
 
 
-@pytest.mark.parametrize('jobs', [1, 2])
-def test_ctrl_c_leaves_nothing_half_done(tmp_path, config, jobs):
+@pytest.fixture
+def begun(tmp_path, config):
+    """Begin to replay long recordings in a session of its own."""
     samples = walk()
     later = round(8e9)
     bags = []
@@ -215,18 +245,59 @@ def test_ctrl_c_leaves_nothing_half_done(tmp_path, config, jobs):
         bags.append(write_bag(tmp_path / name, flow(long)))
     output = tmp_path / 'out'
     command = [sys.executable, '-m', 'dead_reckoning.tools.main', 'replay', *map(str, bags)]
-    command += ['--config', str(config()), '--output', str(output), '--jobs', str(jobs)]
-    process = subprocess.Popen(
-        command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True
-    )
-    deadline = time.monotonic() + 30.0
-    while not list(output.glob('*/.replay-*/odometry.csv')):
-        assert time.monotonic() < deadline
-        assert process.poll() is None
-        time.sleep(0.02)
-    os.killpg(process.pid, signal.SIGINT)
+    command += ['--config', str(config()), '--output', str(output), '--jobs']
+
+    def begin(jobs):
+        process = subprocess.Popen(
+            [*command, str(jobs)],
+            stderr=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        deadline = time.monotonic() + 30.0
+        while not list(output.glob('*/.dead-reckoning-*/odometry.csv')):
+            assert time.monotonic() < deadline
+            assert process.poll() is None
+            time.sleep(0.02)
+        return process
+
+    return begin
+
+
+def wait_for_the_last_of(session):
+    """Fail where a process of a session goes on."""
+    deadline = time.monotonic() + 10.0
+    with suppress(ProcessLookupError):
+        while True:
+            os.killpg(session, 0)
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+
+
+@pytest.mark.parametrize(
+    ('jobs', 'end', 'all_hear'),
+    [
+        (1, signal.SIGINT, True),
+        (1, signal.SIGTERM, False),
+        (2, signal.SIGINT, True),
+        (2, signal.SIGINT, False),
+        (2, signal.SIGTERM, True),
+    ],
+)
+def test_who_ends_it_finds_nothing_half_done(tmp_path, begun, jobs, end, all_hear):
+    process = begun(jobs)
+    (os.killpg if all_hear else os.kill)(process.pid, end)
     out, err = process.communicate(timeout=30.0)
-    assert process.returncode == 130
+    assert process.returncode == 128 + end
     assert 'Traceback' not in out + err
-    assert 'interrupted' in err
-    assert not list(output.glob('*/.replay-*'))
+    assert err.strip() == ('interrupted' if end == signal.SIGINT else '')
+    assert not list((tmp_path / 'out').glob('*/.*'))
+    wait_for_the_last_of(process.pid)
+
+
+def test_workers_end_with_a_parent_that_was_killed(begun):
+    process = begun(2)
+    process.kill()
+    process.communicate(timeout=30.0)
+    wait_for_the_last_of(process.pid)

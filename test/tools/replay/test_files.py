@@ -1,5 +1,8 @@
 """Files are complete or absent."""
 
+import subprocess
+import sys
+
 import pytest
 
 from dead_reckoning.core.errors import InputError
@@ -55,8 +58,8 @@ def test_what_breaks_off_leaves_all_as_it_was(tmp_path):
 
 def test_a_folder_that_was_not_there_is_gone_again(tmp_path):
     with pytest.raises(ValueError, match='broken'):
-        break_off(tmp_path / 'out', ValueError('broken'))
-    assert not (tmp_path / 'out').exists()
+        break_off(tmp_path / 'new/out', ValueError('broken'))
+    assert not (tmp_path / 'new').exists()
 
 
 def test_a_folder_that_can_not_be_is_refused(tmp_path):
@@ -64,3 +67,28 @@ def test_a_folder_that_can_not_be_is_refused(tmp_path):
     for path in (tmp_path / 'file', tmp_path / 'file/out'):
         with pytest.raises(InputError, match='--output'), complete_or_absent(path, NAMES):
             pass
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from dead_reckoning.tools.files import complete_or_absent
+with complete_or_absent(Path(sys.argv[1]), ['a.txt']) as folder:
+    (folder / 'a.txt').write_text('half')
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_what_a_killed_process_left_is_taken_away_by_the_next_one(tmp_path):
+    subprocess.run([sys.executable, '-c', KILLED, str(tmp_path)], check=False)
+    assert list(tmp_path.glob('.*/a.txt'))
+    with complete_or_absent(tmp_path, NAMES) as folder:
+        assert list(tmp_path.iterdir()) == [folder]
+
+
+def test_what_others_still_write_is_left_alone(tmp_path):
+    with complete_or_absent(tmp_path, ['a.txt']) as first:
+        write(first, 'first')
+        with complete_or_absent(tmp_path, ['b.txt']) as second:
+            (second / 'b.txt').write_text('second')
+    assert listed(tmp_path) == {'a.txt': 'first', 'b.txt': 'second'}

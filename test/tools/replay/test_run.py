@@ -283,6 +283,16 @@ def test_a_recording_is_not_replaced_by_what_comes_of_it(tmp_path):
         run(job(folder / 'bag/bag.mcap', folder, ('bag',)))
 
 
+def test_a_folder_that_no_replay_wrote_is_not_replaced(tmp_path):
+    path = write_table(tmp_path / 'walk.csv', walk())
+    precious = tmp_path / 'out/bag/bag_0.mcap'
+    precious.parent.mkdir(parents=True)
+    precious.write_text('precious')
+    with pytest.raises(InputError, match='would be replaced'):
+        run(job(path, tmp_path / 'out'))
+    assert contents(tmp_path / 'out') == {'bag/bag_0.mcap': b'precious'}
+
+
 def test_a_message_that_is_none_costs_that_message(tmp_path):
     flow = raw(walk())
     path = write_bag(tmp_path / 'walk', [*flow[:300], (RAW, b'\0\1\0\0no Imu'), *flow[300:]])

@@ -20,6 +20,7 @@ from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
 from dead_reckoning.core.stages import (
+    ODOMETRY,
     RAW,
     gravity_stage,
     integrator_stage,
@@ -200,6 +201,31 @@ def test_restart_is_no_way(slide, tmp_path):
     begun = float(re.search(r'<dt>duration</dt><dd>([0-9.]+) s', page).group(1))
     spans = [np.ptp(track.stamp_ns) / 1e9 for track in (first, second)]
     assert begun == pytest.approx(sum(spans), abs=0.05)
+
+
+def test_where_nothing_takes_gravity_off_the_specific_force_is_shown(slide, tmp_path):
+    states = slide.odometry
+    count = len(states.stamp_ns)
+    force = np.tile((0.0, 0.0, 9.8), (count + 1, 1))
+    collector = Collector(RAW)
+    takers = collector.takers()
+    unused = np.zeros((count + 1, 9))
+    stamp_ns = np.append(states.stamp_ns, 0)
+    takers[RAW](ImuBlock(stamp_ns, 'imu_link', force, unused, force, unused, unused, unused))
+    collector._add(ODOMETRY, tuple(getattr(states, f.name) for f in fields(states)))
+    contents = collector.contents('foot', count + 1)
+    assert contents.force.stamp_ns.tolist() == states.stamp_ns.tolist()
+    page = written(tmp_path / 'report.html', contents)
+    assert '<h2>Specific force</h2>' in page
+    assert '<h2>Linear acceleration</h2>' not in page
+
+
+def test_figures_have_no_exponents(slide, tmp_path):
+    odometry = replace(
+        slide.odometry, covariance=np.full_like(slide.odometry.covariance, 272.0**2)
+    )
+    page = written(tmp_path / 'report.html', Contents(name='far', samples=1, odometry=odometry))
+    assert 'σ 272, 272, 272 m' in page
 
 
 def test_a_page_is_written_the_same_again(slide, tmp_path):

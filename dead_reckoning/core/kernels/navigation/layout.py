@@ -41,10 +41,11 @@ BY_COMPASS, BY_TWIST, BY_ODOM, BY_POSE, BY_POSE_YAW, WITNESSES = range(6)
     STANCE_VELOCITY, PIVOT, HEIGHT, CORRELATION, GATE, PATIENCE, ZERO_RATE, STILL_WINDOW,
     STILL_DEVIATION, STILL_NOISE, SWAY, FLOOR_DEVIATION, FLOOR_GATE, FLOOR_SLOPE, MAX_GAP,
     GAP_SPEED, GAP_TURN, FORCE_RANGE, RATE_RANGE, AXIS_GATE, GRAVITY_DIRECTION, HELD_VELOCITY,
-    HELD_TIME, NONHOLONOMIC, SLIP, SLIP_ANGLE, SLIP_TIME, AVERAGING, RATE_SCALE,
-    AXLE, AIDING_GATE, AIDING_PATIENCE, AIDING_CORRELATION, GRAVITY, STILL_SAMPLES, DELAY, RULES,
-) = (*range(36), *range(38, 45))  # fmt: skip
-"""Elements of the rules: settings of these names (the axle has three), gravity [m/s²], samples of
+    HELD_TIME, NONHOLONOMIC, SLIP, SLIP_ANGLE, SLIP_TIME, AVERAGING, RATE_SCALE, AIDING_GATE,
+    AIDING_PATIENCE, AIDING_CORRELATION, AXLE, MOUNTED, GRAVITY, STILL_SAMPLES, DELAY, RULES,
+) = (*range(39), 41, 50, 51, 52, 53)  # fmt: skip
+"""Elements of the rules: settings of these names (the axle has three), rotation of the sensor on
+the body (9), gravity [m/s²], samples of
 the still window, delay of the verdicts; and how many."""
 
 X_POSITION, X_VELOCITY, X_RATE_BIAS, X_FORCE_BIAS, X_FLOOR, X_ATTITUDE, X = 0, 3, 6, 9, 12, 13, 17
@@ -100,6 +101,18 @@ RINGS = COUNTS + COUNTED
 STATE_ROW = 52
 """Columns of a state: position, velocity, attitude (10); their covariances (27); rate and its
 covariance (12); statistic, threshold, stationary."""
+
+
+def state_columns(rows: Array) -> tuple[Array, ...]:
+    """Return position, velocity, attitude, their covariances, rate and its covariance of states.
+
+    Columns, shapes (n, 3), (n, 3), (n, 4), (n, 9) three times, (n, 3) and (n, 9).
+    """
+    return (
+        rows[:, 0:3], rows[:, 3:6], rows[:, 6:10], rows[:, 10:19], rows[:, 19:28],
+        rows[:, 28:37], rows[:, 37:40], rows[:, 40:49],
+    )  # fmt: skip
+
 
 TRACE_ROW = 294
 """Columns of what the smoother needs of a sample: step, matrix before it, way, velocity (16); what

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dead_reckoning.core.kernels.columns import Array, put, triple
+from dead_reckoning.core.kernels.columns import Array, matrix, put, triple
 from dead_reckoning.core.kernels.navigation.layout import (
     ACCELERATION_NOISE,
     ACCELERATION_WALK,
@@ -17,6 +17,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     GAP_SPEED,
     GAP_TURN,
     GRAVITY,
+    MOUNTED,
     RATE,
     RATE_BEFORE,
     RATE_BIAS,
@@ -52,6 +53,7 @@ from dead_reckoning.core.kernels.navigation.strapdown import (
     spread,
     transpose,
 )
+from dead_reckoning.core.rotation import rotate_back
 from dead_reckoning.core.samples import Vector
 
 
@@ -81,11 +83,13 @@ def predict(dt: float, force: Vector, rate: Vector, f: Filter, trace: Array) -> 
     x, y, z = w2
     askew = rules[RATE_SCALE] ** 2 * (x * x + y * y + z * z)
     of_rate = (rules[RATE_NOISE] ** 2 + askew) * dt
-    if _reaches(force, rules[FORCE_RANGE]) or _reaches(rate, rules[RATE_RANGE]):
+    clipped = _reaches(force, rules, FORCE_RANGE)
+    spun_out = _reaches(rate, rules, RATE_RANGE)
+    if clipped or spun_out:
         state[COUNTS + SATURATED] += 1.0
-    if _reaches(force, rules[FORCE_RANGE]):
+    if clipped:
         of_velocity += (rules[FORCE_RANGE] * dt) ** 2
-    if _reaches(rate, rules[RATE_RANGE]):
+    if spun_out:
         of_rate += (rules[RATE_RANGE] * dt) ** 2
     spread(p, velocity, of_velocity, of_rate)
     wander(dt, f)
@@ -115,10 +119,13 @@ def _unbiased(state: Array, begin: int, bias: int) -> Vector:
     )
 
 
-def _reaches(vector: Vector, full_scale: float) -> bool:
-    """Say whether an axis reaches its full scale, where that is known."""
-    x, y, z = vector
-    return full_scale > 0.0 and max(abs(x), abs(y), abs(z)) >= 0.999 * full_scale
+def _reaches(vector: Vector, rules: Array, full_scale: int) -> bool:
+    """Say whether an axis of the sensor reaches its full scale, where that is known."""
+    most = 0.999 * rules[full_scale]
+    if most == 0.0:
+        return False
+    x, y, z = rotate_back(matrix(rules[MOUNTED : MOUNTED + 9].reshape((1, 9)), 0), vector)
+    return bool(max(abs(x), abs(y), abs(z)) >= most)
 
 
 def skip(dt: float, f: Filter) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 
 from dead_reckoning.core.blocks import Block, Stamped
 from dead_reckoning.core.common import FrameSettings
+from dead_reckoning.core.errors import InputError
 from dead_reckoning.core.stages import BESIDE
 from dead_reckoning.sources.bags import BagWriter
 from dead_reckoning.tools.replay.outputs import BLOCK_END, Takers
@@ -20,6 +21,9 @@ from dead_reckoning.topics import Topic, topics
 
 FILES = ('bag',)
 NEEDS = ''
+
+OWN = {'bag.mcap', 'metadata.yaml'}
+"""Files in the folder."""
 
 Message = tuple[int, str, bytes]
 """Stamp [ns], topic and bytes."""
@@ -31,6 +35,9 @@ def write(folder: Path, task: Task) -> Iterator[Takers]:
 
     Its own source is among them where that is no topic but a table.
     """
+    place = folder.parent / FILES[0]
+    if place.is_dir() and not {path.name for path in place.iterdir()} <= OWN:
+        raise InputError(f'{place}: no replay wrote what is in it, and it would be replaced')
     pipeline, namespace = task.pipeline, task.recording.namespace
     names = [*pipeline.between, *pipeline.outputs]
     if namespace is None:

@@ -17,7 +17,8 @@ NEEDS = ''
 @contextmanager
 def write(folder: Path, task: Task) -> Iterator[Takers]:
     """Gather what comes, and write the page in the end."""
-    collector = Collector()
+    navigator = task.pipeline.navigator
+    collector = Collector(None if navigator is None else navigator.settings.input)
     yield collector.takers()
     # Pictures take a second to import, and only this output needs them.
     from dead_reckoning.tools.report.page import write_report

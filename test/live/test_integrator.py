@@ -4,13 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
+from driven import assert_same, driven, spoiled
 from random_recordings import LONG_GAP_NS, recording
 
-from dead_reckoning import live, wire
+from dead_reckoning import wire
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.chain import FAULT
-from dead_reckoning.core.common import FrameSettings
-from dead_reckoning.core.errors import WireError
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.kernels import (
     bias_growth,
@@ -18,32 +17,30 @@ from dead_reckoning.core.kernels import (
     gravity,
     headings,
     integrator,
+    messages,
     resampler,
 )
 from dead_reckoning.core.kernels import live as kernel
-from dead_reckoning.core.kernels.memory import nothing
 from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import quaternion_from_euler
 from dead_reckoning.core.stages import (
-    ACCELERATION,
     COMPASS,
     IMU,
-    LEVELLED,
     ODOMETRY,
-    ODOMETRY_MESSAGE,
     RAW,
     STATIONARY,
-    STEP_ODOMETRY,
     STEPS,
     TOTALS,
 )
-from dead_reckoning.live import LiveChain, suits
+from dead_reckoning.live import integrator as live_integrator
+from dead_reckoning.live import live_chain
+from dead_reckoning.live.chain import WAIT
+from dead_reckoning.live.integrator import IntegratorChain
 
 ALL = ['integrator', 'pedometer']
 MESSAGE = {'gravity.attitude': 'message'}
 WALK = {'pipeline.estimators': ALL}
-DOUBLES = 8 * 85
 
 CHAINS = {
     'integrator': {},
@@ -81,44 +78,6 @@ NOT_SUITED = {
     'no integrator': {'pipeline.estimators': ['pedometer']},
     'two inputs': {**MESSAGE, **WALK},
 }
-
-
-class Driven:
-    """A chain that gets messages as a node gives them, and what comes out of it, in order."""
-
-    def __init__(self, values, take):
-        self.configuration = Configuration(values)
-        self.pipeline = Pipeline(self.configuration)
-        assert suits(self.pipeline, self.configuration)
-        frames = self.configuration[FrameSettings]
-        self.chain = LiveChain(self.pipeline, frames)
-        self.chain.kernel = take
-        self.encode = wire.odometry_encoder(frames.world, frames.body)
-        self.outputs = []
-
-    def message(self, name, data):
-        flow = self.chain.take(name, data)
-        if flow is None:
-            try:
-                flow = self.chain.push(name, wire.decode_imu(data))
-            except WireError as error:
-                flow = [(FAULT, error)]
-        self.collect(flow)
-
-    def service(self, call, *arguments):
-        """Do what a node does: services and changed settings find the chain settled."""
-        self.chain.settle()
-        made = call(self, *arguments)
-        if made is TOTALS:
-            self.collect(self.chain.push(TOTALS, None))
-
-    def collect(self, flow):
-        for name, value in flow:
-            if name in (IMU, ACCELERATION, LEVELLED):  # those are there for the stream only
-                continue
-            if name in (ODOMETRY, STEP_ODOMETRY):
-                value = self.encode(value)
-            self.outputs.append((ODOMETRY if name == ODOMETRY_MESSAGE else name, value))
 
 
 def reset(driven):
@@ -184,17 +143,7 @@ def traffic(values, seed, **more):
             sample = dataclasses.replace(sample, frame_id=random.choice(['imu', 'other_imu_link']))
         data = wire.encode_imu(sample)
         if 0.006 < chance < 0.012:
-            data = random.choice(
-                [
-                    data[:40],
-                    data[:12] + b'\xff\xff\xff\x7f' + data[16:],
-                    data[:8] + b'\xff\xff\xff\xff' + data[12:],
-                    b'\x00\x00' + data[2:],  # big-endian, as it says
-                    data + bytes(8),
-                    data[:-8],
-                    b'',
-                ]
-            )
+            data = spoiled(random, data)
         happens.append(('message', name, data))
         if values.get('heard') and chance > 0.999:
             turn = quaternion_from_euler(0.0, 0.0, random.uniform(-3.0, 3.0))
@@ -203,56 +152,33 @@ def traffic(values, seed, **more):
     return happens
 
 
-def driven(values, happens, take):
-    made = Driven({key: value for key, value in values.items() if key != 'heard'}, take)
-    for call, *arguments in happens:
-        getattr(made, call)(*arguments)
-    return made
-
-
-def assert_same(found, expected):
-    assert [name for name, _ in found] == [name for name, _ in expected]
-    for (name, ours), (_, theirs) in zip(found, expected, strict=True):
-        if name in (ODOMETRY, STEP_ODOMETRY):
-            assert ours[:-DOUBLES] == theirs[:-DOUBLES]
-            ours, theirs = (np.frombuffer(data[-DOUBLES:]) for data in (ours, theirs))
-            np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-9, err_msg=name)
-        elif dataclasses.is_dataclass(theirs):
-            assert dataclasses.astuple(ours) == pytest.approx(dataclasses.astuple(theirs))
-        elif isinstance(theirs, float):
-            assert ours == pytest.approx(theirs), name
-        else:
-            assert repr(ours) == repr(theirs)
-
-
-@pytest.fixture(scope='module')
-def take():
+@pytest.fixture(scope='module', autouse=True)
+def _kernels():
     pytest.importorskip('numba')
-    kernel.take(nothing())
-    return kernel.take
+    IntegratorChain.compile()
 
 
 @pytest.mark.parametrize('seed', range(3))
 @pytest.mark.parametrize('values', CHAINS.values(), ids=CHAINS)
-def test_the_kernel_makes_of_messages_what_the_stream_makes(take, values, seed):
+def test_the_kernel_makes_of_messages_what_the_stream_makes(values, seed):
     happens = traffic(values, seed, seconds=20.0, odd=0.005)
-    found, expected = driven(values, happens, take), driven(values, happens, None)
+    found, expected = driven(values, happens), driven(values, happens, ready=False)
     assert found.chain.taken > 0.1 * len(happens)
     assert expected.chain.taken == 0
     assert_same(found.outputs, expected.outputs)
 
 
-def test_a_compass_beside_it(take):
+def test_a_compass_beside_it():
     values = {**CHAINS['pedometer and message'], 'heard': True}
     happens = traffic(values, 4, seconds=20.0, odd=0.0)
-    found, expected = driven(values, happens, take), driven(values, happens, None)
+    found, expected = driven(values, happens), driven(values, happens, ready=False)
     assert found.chain.taken > 0.1 * len(happens)
     assert_same(found.outputs, expected.outputs)
     happens = traffic({**WALK, 'heard': True}, 4, seconds=20.0, odd=0.0)
-    assert_same(driven(WALK, happens, take).outputs, driven(WALK, happens, None).outputs)
+    assert_same(driven(WALK, happens).outputs, driven(WALK, happens, ready=False).outputs)
 
 
-def test_a_gap_may_wait_in_line(take):
+def test_a_gap_may_wait_in_line():
     values = CHAINS['along the orientation']
     samples = recording(3, seconds=10.0, orientation=True, odd=0.0)
     samples[500:] = [
@@ -260,37 +186,47 @@ def test_a_gap_may_wait_in_line(take):
         for sample in samples[500:]
     ]
     happens = [('message', IMU, wire.encode_imu(sample)) for sample in samples]
-    found, expected = driven(values, happens, take), driven(values, happens, None)
+    found, expected = driven(values, happens), driven(values, happens, ready=False)
     faults = [type(value).__name__ for name, value in found.outputs if name == FAULT]
     assert faults == ['GapError', 'GapError']  # of the integrator at once, of the walk later
     assert_same(found.outputs, expected.outputs)
 
 
 @pytest.mark.parametrize('kind', ['pedometer', 'pedometer and message'])
-def test_of_regular_messages_the_kernel_takes_all_once_levelled(take, kind):
+def test_of_regular_messages_the_kernel_takes_all_once_levelled(kind):
     values = CHAINS[kind]
     name = IMU if 'gravity.attitude' in values else RAW
     samples = recording(0, seconds=20.0, gyro=True, orientation=name == IMU, odd=0.0)
     happens = [('message', name, wire.encode_imu(sample)) for sample in samples]
-    found = driven(values, happens, take)
+    found = driven(values, happens)
     names = [name for name, _ in found.outputs]
     assert names.count(ODOMETRY) > 0.9 * len(samples)
-    assert found.chain.taken > len(samples) - 2 * live.WAIT - 60
+    assert found.chain.taken > len(samples) - 2 * WAIT - 60
     # The attitude of these messages swings, the force does not: so there is no rest.
     assert names.count(STATIONARY) > (4 if name == RAW else 0)
     assert STEPS in names
     assert not [value for name, value in found.outputs[100:] if name == FAULT]
 
 
-def test_compiled_and_not_it_gives_the_same(take, monkeypatch):
+def test_compiled_and_not_it_gives_the_same(monkeypatch):
     values = {**CHAINS['pedometer and message'], **CHAINS['euler, each']}
     happens = traffic(values, 5, seconds=10.0)
-    compiled = driven(values, happens, take)
-    for module in (kernel, gravity, headings, integrator, resampler, bias_growth, columns):
+    compiled = driven(values, happens)
+    for module in (
+        live_integrator,
+        kernel,
+        messages,
+        gravity,
+        headings,
+        integrator,
+        resampler,
+        bias_growth,
+        columns,
+    ):
         for key, value in vars(module).items():
             if hasattr(value, '__wrapped__'):
                 monkeypatch.setattr(module, key, value.__wrapped__)
-    plain = driven(values, happens, kernel.take)
+    plain = driven(values, happens)
     assert compiled.chain.taken == plain.chain.taken > 100
     assert_same(compiled.outputs, plain.outputs)
 
@@ -299,19 +235,20 @@ def test_compiled_and_not_it_gives_the_same(take, monkeypatch):
 def test_what_there_is_no_kernel_for_goes_without(values):
     configuration = Configuration(values)
     mountings = (lambda _: None) if values.get('frames.mounting') == 'tf' else None
-    assert not suits(Pipeline(configuration, mountings=mountings), configuration)
+    assert live_chain(Pipeline(configuration, mountings=mountings), configuration) is None
 
 
 def test_a_chain_with_more_stages_goes_without():
     configuration = Configuration({})
-    assert suits(Pipeline(configuration), configuration)
-    assert not suits(Pipeline(configuration, [{ODOMETRY: lambda _: []}]), configuration)
+    assert live_chain(Pipeline(configuration), configuration)
+    more = [{ODOMETRY: lambda _: []}]
+    assert not live_chain(Pipeline(configuration, more), configuration)
 
 
-def test_frames_of_the_odometry_are_those_of_the_settings(take):
+def test_frames_of_the_odometry_are_those_of_the_settings():
     values = {**MESSAGE, 'frames.world': 'map', 'frames.body': 'a_longer_name'}
     samples = recording(1, seconds=2.0, orientation=True, odd=0.0)
     happens = [('message', IMU, wire.encode_imu(sample)) for sample in samples]
-    found, expected = driven(values, happens, take), driven(values, happens, None)
+    found, expected = driven(values, happens), driven(values, happens, ready=False)
     assert found.chain.taken > 50
     assert_same(found.outputs, expected.outputs)
