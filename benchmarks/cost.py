@@ -27,6 +27,7 @@ from benchmarks.traffic import QOS
 from dead_reckoning.core.errors import DeadReckoningError
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.stages import IMU, ODOMETRY, gravity_input
+from dead_reckoning.tools.warmup import warm_up
 
 RATE = 1000.0
 RATES = (200.0, RATE)
@@ -341,6 +342,7 @@ def main() -> int:
         2: lambda: rates_and_latencies(rounds, seconds),
         3: lambda: start_and_memory(rounds, minutes),
     }
+    warm_up()  # else a candidate compiles while it is measured, or longer than it may
     faults = []
     for row in arguments.rows:
         try:

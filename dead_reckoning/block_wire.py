@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from dead_reckoning import wire
 from dead_reckoning.core.blocks import AccelerationBlock, Array, ImuBlock, Stamps, StateBlock
 from dead_reckoning.core.errors import WireError
-from dead_reckoning.core.rotation import matrix_from_quaternion, rotate_back, similarity
+from dead_reckoning.core.rotation import matrix_from_quaternion, product, rotate_back, similarity
 from dead_reckoning.core.samples import (
     IDENTITY_QUATERNION,
     NANOSECONDS,
@@ -53,6 +53,9 @@ ODOMETRY = np.dtype(
 FIRST = [0, 1, 2, 6, 7, 8, 12, 13, 14]
 """Where the first block on the diagonal of a (6, 6) matrix is."""
 SECOND = [21, 22, 23, 27, 28, 29, 33, 34, 35]
+CROSS = [3, 4, 5, 9, 10, 11, 15, 16, 17]
+CROSS_BACK = [18, 24, 30, 19, 25, 31, 20, 26, 32]
+"""Where that of both is, and its transpose."""
 
 Anywhere = TypeVar('Anywhere', int, Stamps)
 
@@ -178,6 +181,15 @@ def odometries_encoder(frame_id: str, child_frame_id: str) -> Callable[[StateBlo
             block.velocity_covariance,
             np.column_stack(turned),
         )
+        if block.pose_cross_covariance is not None:
+            for place in (CROSS, CROSS_BACK):
+                states['pose_covariance'][:, place] = block.pose_cross_covariance
+        if block.twist_cross_covariance is not None:
+            cross: Any = tuple(block.twist_cross_covariance.T)
+            for place in (CROSS, CROSS_BACK):
+                states['twist_covariance'][:, place] = np.column_stack(
+                    product((a, d, g, b, e, h, c, f, i), cross)
+                )
         missing = block.angular_velocity_covariance[:, 0] < 0.0
         states['angular'] = np.where(missing[:, None], 0.0, block.angular_velocity)
         states['twist_covariance'][:, SECOND] = np.where(

@@ -20,6 +20,7 @@ from dead_reckoning.core.errors import EncodingError, WireError
 from dead_reckoning.core.path import Path, Pose
 from dead_reckoning.core.rotation import (
     matrix_from_quaternion,
+    product,
     rotate,
     rotate_back,
     rotate_covariance,
@@ -176,6 +177,8 @@ def decode_odometry(data: bytes) -> NavigationState:
         _second(pose),
         d[46:49] if measured else None,  # type: ignore[arg-type]
         _second(twist) if measured else UNKNOWN,
+        pose_cross_covariance=_cross(pose),
+        twist_cross_covariance=product(rot_wb, _cross(twist)),
     )
 
 
@@ -225,19 +228,26 @@ def odometry_encoder(frame_id: str, child_frame_id: str) -> Callable[[Navigation
     def encode(state: NavigationState) -> bytes:
         rot_wb = matrix_from_quaternion(state.attitude)
         a, b, c, d, e, f, g, h, i = rot_wb
+        rot_bw = (a, d, g, b, e, h, c, f, i)
         turning = state.angular_velocity is not None
+        of_twist = state.twist_cross_covariance
+        if of_twist != UNKNOWN:
+            of_twist = product(rot_bw, of_twist)
         return packed.pack(
             LITTLE_ENDIAN,
             *divmod(state.stamp_ns, NANOSECONDS),
             middle,
             *state.position,
             *state.attitude,
-            *_blocks(state.position_covariance, state.attitude_covariance),
+            *_blocks(
+                state.position_covariance, state.attitude_covariance, state.pose_cross_covariance
+            ),
             *rotate_back(rot_wb, state.velocity),
             *(ZERO if state.angular_velocity is None else state.angular_velocity),
             *_blocks(
-                rotate_covariance((a, d, g, b, e, h, c, f, i), state.velocity_covariance),
+                rotate_covariance(rot_bw, state.velocity_covariance),
                 state.angular_velocity_covariance if turning else unmeasured,
+                of_twist,
             ),
         )
 
@@ -306,17 +316,21 @@ def _read_one(data: bytes, kind: str, layout: Struct) -> float:
         raise _no_message(data, kind, problem) from problem
 
 
-def _blocks(first: Matrix, second: Matrix) -> tuple[float, ...]:
-    """Put two covariances, shape (3, 3), on the diagonal of one, shape (6, 6)."""
-    z = _NO_ANGLES
+def _blocks(first: Matrix, second: Matrix, cross: Matrix = UNKNOWN) -> tuple[float, ...]:
+    """Put two covariances, and that of both, shapes (3, 3), into one, shape (6, 6)."""
+    c = cross
     return (
-        *first[0:3], *z, *first[3:6], *z, *first[6:9], *z,
-        *z, *second[0:3], *z, *second[3:6], *z, *second[6:9],
+        *first[0:3], *c[0:3], *first[3:6], *c[3:6], *first[6:9], *c[6:9],
+        *c[0:9:3], *second[0:3], *c[1:9:3], *second[3:6], *c[2:9:3], *second[6:9],
     )  # fmt: skip
 
 
 def _first(covariance: tuple[float, ...]) -> Matrix:
     return covariance[0:3] + covariance[6:9] + covariance[12:15]  # type: ignore[return-value]
+
+
+def _cross(covariance: tuple[float, ...]) -> Matrix:
+    return covariance[3:6] + covariance[9:12] + covariance[15:18]  # type: ignore[return-value]
 
 
 def _second(covariance: tuple[float, ...]) -> Matrix:

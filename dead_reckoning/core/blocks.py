@@ -37,6 +37,9 @@ OPTIONAL = {
 }
 """What a sample may not measure, and the covariance that says so in a block."""
 
+CROSS = ('pose_cross_covariance', 'twist_cross_covariance')
+"""What a block has not where it is zero."""
+
 WIDTHS = {'orientation': 4, 'angular_velocity': 3}
 
 
@@ -57,6 +60,7 @@ class Block(Generic[Sample]):
             **{
                 name: value if isinstance(value, str) else value[begin:end]
                 for name, value in self._columns()
+                if value is not None
             }
         )
 
@@ -68,6 +72,9 @@ class Block(Generic[Sample]):
             name = field.name
             if name == 'frame_id':
                 columns[name] = samples[0].frame_id
+            elif name in CROSS:
+                values = [getattr(s, name) for s in samples]
+                columns[name] = None if all(v is UNKNOWN for v in values) else np.array(values)
             elif name in OPTIONAL:
                 nothing = (0.0,) * WIDTHS[name]
                 columns[name] = np.array([getattr(s, name) or nothing for s in samples])
@@ -84,14 +91,19 @@ class Block(Generic[Sample]):
         """Return blocks, at least one, as one; a single one as it is."""
         if len(blocks) == 1:
             return blocks[0]
-        return cls(
-            **{
-                name: value
-                if isinstance(value, str)
-                else np.concatenate([getattr(block, name) for block in blocks])
-                for name, value in blocks[0]._columns()
-            }
-        )
+        columns: dict[str, Any] = {}
+        for name, value in blocks[0]._columns():
+            parts = [getattr(block, name) for block in blocks]
+            if isinstance(value, str):
+                columns[name] = value
+            elif any(part is not None for part in parts):
+                columns[name] = np.concatenate(
+                    [
+                        np.zeros((len(block), 9)) if part is None else part
+                        for block, part in zip(blocks, parts, strict=True)
+                    ]
+                )
+        return cls(**columns)
 
     def sample(self, index: int) -> Sample:
         """Return one sample."""
@@ -99,7 +111,7 @@ class Block(Generic[Sample]):
         for name, column in self._columns():
             if isinstance(column, str):
                 values[name] = column
-            else:
+            elif column is not None:
                 value = column[index].tolist()
                 values[name] = tuple(value) if isinstance(value, list) else value
         for name, covariance in OPTIONAL.items():
@@ -156,6 +168,9 @@ class StateBlock(Block[NavigationState]):
     angular_velocity: Array
     angular_velocity_covariance: Array
     stationary: Flags
+    pose_cross_covariance: Array | None = None
+    """None where it is zero, as for all estimators but the inertial navigator."""
+    twist_cross_covariance: Array | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

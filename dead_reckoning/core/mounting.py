@@ -13,12 +13,14 @@ from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.core.errors import MissingMountingError, SettingsError
 from dead_reckoning.core.rotation import (
     composed,
-    cross_covariance,
+    cross_matrix,
     inverse,
     matrix_from_quaternion,
+    product,
     quaternion_from_euler,
     rotate,
     rotate_covariance,
+    similarity,
 )
 from dead_reckoning.core.samples import (
     IDENTITY_QUATERNION,
@@ -112,17 +114,34 @@ def carried(
     x, y, z = lever_arm
     a, b, c = state.angular_velocity or ZERO
     slower = rotate(rot_wb, (c * y - b * z, a * z - c * x, b * x - a * y))
-    attitude = state.attitude_covariance
+    by_turn, by_rate = cross_matrix(moved), product(rot_wb, cross_matrix((-x, -y, -z)))
+    position, of_pose = _carried(
+        state.position_covariance, state.pose_cross_covariance, state.attitude_covariance, by_turn
+    )
+    velocity, of_twist = _carried(
+        state.velocity_covariance, state.twist_cross_covariance, rate_covariance, by_rate
+    )
     return replace(
         state,
         position=_sum(state.position, moved),
         velocity=_sum(state.velocity, slower),
-        position_covariance=_sum(state.position_covariance, cross_covariance(moved, attitude)),
-        velocity_covariance=_sum(
-            state.velocity_covariance,
-            rotate_covariance(rot_wb, cross_covariance(lever_arm, rate_covariance)),
-        ),
+        position_covariance=position,
+        velocity_covariance=velocity,
+        pose_cross_covariance=of_pose,
+        twist_cross_covariance=of_twist,
     )
+
+
+def _carried(own: Matrix, cross: Matrix, turn: Matrix, m: Matrix) -> tuple[Matrix, Matrix]:
+    """Return the covariance of a − m θ, and that of it with θ; those of a, both, θ are given."""
+    minus = product(tuple(-x for x in m), _transposed(cross))  # type: ignore[arg-type]
+    carried = _sum(own, similarity(m, turn), minus, _transposed(minus))
+    return carried, _sum(cross, product(tuple(-x for x in m), turn))  # type: ignore[arg-type]
+
+
+def _transposed(m: Matrix) -> Matrix:
+    a, b, c, d, e, f, g, h, i = m
+    return (a, d, g, b, e, h, c, f, i)
 
 
 def _turned(imu: ImuSample, q_bs: Quaternion) -> ImuSample:

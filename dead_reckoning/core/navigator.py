@@ -358,8 +358,8 @@ class InertialNavigator:
         return self._aids.due(unfiltered, first, rows)
 
     def _note(self, values: list[float]) -> None:
-        self.statistic, self.threshold = values[49], values[50]
-        self.stationary = values[51] > 0.0
+        self.statistic, self.threshold, stationary = values[-3:]
+        self.stationary = stationary > 0.0
 
     def _take_note(self, values: list[float]) -> int:
         """Take note of the next state; return its stamp [ns]."""

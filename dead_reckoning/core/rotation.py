@@ -130,8 +130,26 @@ def rotate_covariance(rot_wb: Matrix, covariance_b: Matrix) -> Matrix:
 
 def cross_covariance(vector: Vector, covariance: Matrix) -> Matrix:
     """Say how well ``v × θ`` is known when θ, shape (3,), has Σ: ``[v]× · Σ · [v]×ᵀ``."""
-    x, y, z = vector
-    return similarity((0.0, -z, y, z, 0.0, -x, -y, x, 0.0), covariance)
+    return similarity(cross_matrix(vector), covariance)
+
+
+def product(m: Matrix, s: Matrix) -> Matrix:
+    """Multiply out ``m · s``; shapes (3, 3)."""
+    a, b, c, d, e, f, g, h, i = s
+    return (
+        m[0] * a + m[1] * d + m[2] * g, m[0] * b + m[1] * e + m[2] * h,
+        m[0] * c + m[1] * f + m[2] * i,
+        m[3] * a + m[4] * d + m[5] * g, m[3] * b + m[4] * e + m[5] * h,
+        m[3] * c + m[4] * f + m[5] * i,
+        m[6] * a + m[7] * d + m[8] * g, m[6] * b + m[7] * e + m[8] * h,
+        m[6] * c + m[7] * f + m[8] * i,
+    )  # fmt: skip
+
+
+def cross_matrix(v: Vector) -> Matrix:
+    """Return [v]×, which makes v × a of a vector a."""
+    x, y, z = v
+    return (0.0, -z, y, z, 0.0, -x, -y, x, 0.0)
 
 
 def similarity(m: Matrix, s: Matrix) -> Matrix:

@@ -142,6 +142,11 @@ class NavigationState:
         measures it.
     ``stationary``
         whether the estimator holds the body for resting.
+    ``pose_cross_covariance``
+        of position (rows) and attitude, shape (3, 3) [m rad]; zeros where it is not known.
+    ``twist_cross_covariance``
+        of velocity (rows, frame w) and rate of turn (frame of the body), shape (3, 3) [m rad/s²];
+        zeros where it is not known.
     """
 
     stamp_ns: int
@@ -154,3 +159,5 @@ class NavigationState:
     angular_velocity: Vector | None = None
     angular_velocity_covariance: Matrix = UNKNOWN
     stationary: bool = False
+    pose_cross_covariance: Matrix = UNKNOWN
+    twist_cross_covariance: Matrix = UNKNOWN

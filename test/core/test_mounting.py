@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.chain import FAULT, Chain
@@ -20,7 +21,7 @@ from dead_reckoning.core.gravity import GravityRemoval
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.integrator import Integrator
-from dead_reckoning.core.mounting import Mounting, mountings_of
+from dead_reckoning.core.mounting import Mounting, carried, mountings_of
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import (
@@ -28,7 +29,13 @@ from dead_reckoning.core.rotation import (
     quaternion_from_euler,
     quaternion_from_matrix,
 )
-from dead_reckoning.core.samples import IDENTITY_QUATERNION, NOT_MEASURED, UNKNOWN, ImuSample
+from dead_reckoning.core.samples import (
+    IDENTITY_QUATERNION,
+    NOT_MEASURED,
+    UNKNOWN,
+    ImuSample,
+    NavigationState,
+)
 from dead_reckoning.core.stages import (
     ACCELERATION,
     IMU,
@@ -472,3 +479,38 @@ def test_noisy_sensor_on_a_turning_table_leaves_base_link_where_it_is():
     for state in states.values():
         deviation = np.sqrt(state.position_covariance[::4])
         assert (np.abs(state.position) < 3.0 * deviation + 1e-3).all()
+
+
+def test_the_full_covariance_is_carried_as_errors_are():
+    """By the Jacobian of the pose of the body, and of its twist, by those of the sensor."""
+    random = np.random.default_rng(7)
+    pose, twist = (root @ root.T for root in random.normal(size=(2, 6, 6)))
+    turn = Rotation.from_euler('xyz', [0.4, -0.2, 1.3])
+    arm, start, rate = random.normal(size=(3, 3))
+
+    def blocks(matrix):
+        parts = matrix[:3, :3], matrix[:3, 3:], matrix[3:, 3:]
+        return [tuple(part.ravel().tolist()) for part in parts]
+
+    (p, pq, q), (v, vw, w) = blocks(pose), blocks(twist)
+    state = NavigationState(
+        1, (1.0, 2.0, 3.0), (0.3, 0.2, 0.1), tuple(turn.as_quat()), p, v, q, tuple(rate), w,
+        pose_cross_covariance=pq, twist_cross_covariance=vw,
+    )  # fmt: skip
+    rot_wb = matrix_from_quaternion(state.attitude)
+    found = carried(state, rot_wb, tuple(arm), tuple(start), w)
+
+    def cross(a):
+        return np.cross(np.eye(3), a)  # [a]×
+
+    def expected(matrix, by):
+        jacobian = np.eye(6)
+        jacobian[:3, 3:] = by
+        return blocks(jacobian @ matrix @ jacobian.T)
+
+    of_pose = expected(pose, -cross(start - turn.apply(arm)))
+    of_twist = expected(twist, turn.as_matrix() @ cross(arm))
+    np.testing.assert_allclose(found.position_covariance, of_pose[0], atol=1e-12)
+    np.testing.assert_allclose(found.pose_cross_covariance, of_pose[1], atol=1e-12)
+    np.testing.assert_allclose(found.velocity_covariance, of_twist[0], atol=1e-12)
+    np.testing.assert_allclose(found.twist_cross_covariance, of_twist[1], atol=1e-12)

@@ -21,7 +21,7 @@ from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.core.errors import WireError
 from dead_reckoning.core.path import Path as Way
 from dead_reckoning.core.rotation import matrix_from_quaternion, rotate_back
-from dead_reckoning.core.samples import ImuSample, LinearAcceleration, NavigationState
+from dead_reckoning.core.samples import UNKNOWN, ImuSample, LinearAcceleration, NavigationState
 from dead_reckoning.core.stages import (
     ACCELERATION,
     AIDING_ODOMETRY,
@@ -96,6 +96,8 @@ states = st.builds(
     tuples(9),
     st.none() | tuples(3),
     tuples(9, st.floats(-1e5, 1e5)),
+    pose_cross_covariance=tuples(9),
+    twist_cross_covariance=st.just(UNKNOWN) | tuples(9, st.floats(-1e3, 1e3)),
 )
 
 
@@ -111,11 +113,13 @@ def fill(message, names, values):
         setattr(message, name, value)
 
 
-def diagonal_blocks(first, second):
+def diagonal_blocks(first, second, cross=UNKNOWN):
     matrix = [0.0] * 36
     for row in range(3):
         matrix[6 * row : 6 * row + 3] = first[3 * row : 3 * row + 3]
         matrix[21 + 6 * row : 24 + 6 * row] = second[3 * row : 3 * row + 3]
+        matrix[6 * row + 3 : 6 * row + 6] = cross[3 * row : 3 * row + 3]
+        matrix[18 + 6 * row : 21 + 6 * row] = cross[row::3]
     return matrix
 
 
@@ -147,7 +151,9 @@ def odometry_message(state, frame_id, child_frame_id):
     rot_wb = matrix_from_quaternion(state.attitude)
     fill(message.pose.pose.position, 'xyz', state.position)
     fill(message.pose.pose.orientation, 'xyzw', state.attitude)
-    message.pose.covariance = diagonal_blocks(state.position_covariance, state.attitude_covariance)
+    message.pose.covariance = diagonal_blocks(
+        state.position_covariance, state.attitude_covariance, state.pose_cross_covariance
+    )
     fill(message.twist.twist.linear, 'xyz', rotate_back(rot_wb, state.velocity))
     angular = state.angular_velocity_covariance
     if state.angular_velocity is None:
@@ -156,10 +162,15 @@ def odometry_message(state, frame_id, child_frame_id):
         fill(message.twist.twist.angular, 'xyz', state.angular_velocity)
     # How the covariance is turned is the business of core; here it is only laid out.
     written = deserialize_message(wire.odometry_encoder('', '')(state), Odometry)
-    linear = [
-        written.twist.covariance[6 * row + column] for row in range(3) for column in range(3)
-    ]
-    message.twist.covariance = diagonal_blocks(linear, angular)
+    linear, cross = (
+        [
+            written.twist.covariance[6 * row + column + at]
+            for row in range(3)
+            for column in range(3)
+        ]
+        for at in (0, 3)
+    )
+    message.twist.covariance = diagonal_blocks(linear, angular, cross)
     return message
 
 
@@ -219,6 +230,10 @@ def test_odometry_is_written_as_rclpy_does_and_read_back(state, frame_id, child_
     assert same(read.attitude, state.attitude)
     assert same(read.position_covariance, state.position_covariance)
     assert same(read.attitude_covariance, state.attitude_covariance)
+    assert same(read.pose_cross_covariance, state.pose_cross_covariance)
+    assert read.twist_cross_covariance == pytest.approx(
+        state.twist_cross_covariance, rel=1e-12, abs=1e-9
+    )
     assert same(read.angular_velocity, state.angular_velocity)
     if state.angular_velocity is not None:
         assert same(read.angular_velocity_covariance, state.angular_velocity_covariance)

@@ -57,7 +57,7 @@ from dead_reckoning.core.kernels.memory import (
     table,
     ticks,
 )  # fmt: skip
-from dead_reckoning.core.kernels.messages import read_imu, write_odometry
+from dead_reckoning.core.kernels.messages import read_imu, write_cross, write_odometry
 from dead_reckoning.core.kernels.navigation.filter import regular
 from dead_reckoning.core.kernels.navigation.layout import state_columns
 from dead_reckoning.core.kernels.resampler import resample
@@ -125,9 +125,11 @@ def read(memory: Array, rows: Array) -> int:
 @compiled
 def write(memory: Array, rows: Array, stamp_ns: int) -> None:
     """Write a state of the navigator, shape (1, STATE_ROW), as the Odometry of a stamp."""
-    p, v, q, pp, vv, qq, w, ww = state_columns(rows)
+    p, v, q, pp, vv, qq, w, ww, of_pose, of_twist = state_columns(rows)
     state = StateColumns(p, v, q, pp, vv, qq, w, ww, w[0])
-    write_odometry(stamp_ns, state, part(memory, ODOMETRY))
+    message = part(memory, ODOMETRY)
+    write_odometry(stamp_ns, state, message)
+    write_cross(matrix(of_pose, 0), matrix(of_twist, 0), message)
 
 
 def _in_time(clock: Any) -> bool:

@@ -20,7 +20,12 @@ from dead_reckoning.core.kernels.columns import (
 )
 from dead_reckoning.core.kernels.integrator import StateColumns
 from dead_reckoning.core.kernels.memory import IMU_DOUBLES, ODOMETRY_DOUBLES
-from dead_reckoning.core.rotation import matrix_from_quaternion, rotate_back, rotate_covariance
+from dead_reckoning.core.rotation import (
+    matrix_from_quaternion,
+    product,
+    rotate_back,
+    rotate_covariance,
+)
 from dead_reckoning.core.samples import NANOSECONDS, UNMEASURED_VARIANCE, Matrix
 
 
@@ -69,6 +74,22 @@ def write_odometry(stamp_ns: int, state: StateColumns, odometry: Array) -> None:
     if measured(state.angular_velocity_covariance, 0):
         rate = matrix(state.angular_velocity_covariance, 0)
     _put_blocks(d[49:], velocity, rate)
+
+
+def write_cross(of_pose: Matrix, of_twist: Matrix, odometry: Array) -> None:
+    """Write what an Odometry, written already, says of position with attitude, twist with rate."""
+    d = odometry[len(odometry) - ODOMETRY_DOUBLES :]
+    a, b, c, d_, e, f, g, h, i = matrix_from_quaternion((d[3], d[4], d[5], d[6]))
+    _put_cross(d[7:43], of_pose)
+    _put_cross(d[49:], product((a, d_, g, b, e, h, c, f, i), of_twist))
+
+
+def _put_cross(out: Array, cross: Matrix) -> None:
+    """Write a covariance, shape (3, 3), and its transpose, beside the diagonal of (6, 6)."""
+    for row in range(3):
+        for column in range(3):
+            out[6 * row + 3 + column] = cross[3 * row + column]
+            out[6 * (3 + column) + row] = cross[3 * row + column]
 
 
 def _put_blocks(out: Array, first: Matrix, second: Matrix) -> None:

@@ -59,11 +59,14 @@ def state_of(stamp_ns: int, values: list[float]) -> NavigationState:
         tuple(fields[18:27]),
         tuple(fields[27:30]),
         tuple(fields[30:39]),
-        fields[39 + STATIONARY] > 0.0,
+        fields[57 + STATIONARY] > 0.0,
+        tuple(fields[39:48]),
+        tuple(fields[48:57]),
     )
 
 
 def state_block(stamps: Stamps, rows: Array) -> StateBlock:
     """Return rows of the kernel, shape (n, STATE_ROW), as a block."""
-    columns: list[Any] = [*layout.state_columns(rows), rows[:, 49 + STATIONARY] > 0.0]
+    columns: list[Any] = list(layout.state_columns(rows))
+    columns.insert(8, rows[:, 67 + STATIONARY] > 0.0)
     return StateBlock(stamps, *columns)

@@ -38,6 +38,7 @@ from dead_reckoning.core.kernels.navigation.measurement import correct
 from dead_reckoning.core.navigation.aids import NO_AIDS
 from dead_reckoning.core.navigation.alignment import RULES
 from dead_reckoning.core.navigation.settings import NavigatorSettings
+from dead_reckoning.core.navigation.states import state_of
 from dead_reckoning.core.samples import NANOSECONDS, NOT_MEASURED, ImuSample
 from dead_reckoning.core.stationarity import detector_class, names
 from dead_reckoning.core.strides import Strides
@@ -261,6 +262,9 @@ def test_covariances_are_those_of_position_velocity_attitude_and_rate():
     np.testing.assert_allclose(out[k, 28:37].reshape(shape), p[6:9, 6:9], rtol=1e-12)
     noise = 0.005**2 * np.eye(3)  # common.rate_deviation
     np.testing.assert_allclose(out[k, 40:49].reshape(shape), p[9:12, 9:12] + noise, rtol=1e-12)
+    state = state_of(1, out[k].tolist())
+    assert state.pose_cross_covariance == tuple(p[:3, 6:9].ravel())
+    assert state.twist_cross_covariance == tuple(-p[3:6, 9:12].ravel())
 
 
 def test_the_covariance_of_the_velocity_is_that_of_the_twist():

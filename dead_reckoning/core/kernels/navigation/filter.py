@@ -236,3 +236,5 @@ def put_state(out: Array, x: Array, p: Array, rate: Vector, noise: float, age: f
             out[19 + 3 * i + j] = p[VELOCITY + i, VELOCITY + j]
             out[28 + 3 * i + j] = p[ATTITUDE + i, ATTITUDE + j]
             out[40 + 3 * i + j] = p[RATE_BIAS + i, RATE_BIAS + j] + (noise if i == j else 0.0)
+            out[49 + 3 * i + j] = p[i, ATTITUDE + j]
+            out[58 + 3 * i + j] = -p[VELOCITY + i, RATE_BIAS + j]  # the rate is without its bias

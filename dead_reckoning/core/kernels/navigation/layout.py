@@ -98,19 +98,21 @@ and how much refused, by who measures it."""
 RINGS = COUNTS + COUNTED
 """Begin of the rings: rates of the still window, samples that wait."""
 
-STATE_ROW = 52
+STATE_ROW = 70
 """Columns of a state: position, velocity, attitude (10); their covariances (27); rate and its
-covariance (12); statistic, threshold, stationary."""
+covariance (12); covariances of position and attitude, and of velocity and rate (18); statistic,
+threshold, stationary."""
 
 
 def state_columns(rows: Array) -> tuple[Array, ...]:
     """Return position, velocity, attitude, their covariances, rate and its covariance of states.
 
-    Columns, shapes (n, 3), (n, 3), (n, 4), (n, 9) three times, (n, 3) and (n, 9).
+    Columns, shapes (n, 3), (n, 3), (n, 4), (n, 9) three times, (n, 3) and (n, 9); and (n, 9) twice
+    of position with attitude, of velocity with rate.
     """
     return (
         rows[:, 0:3], rows[:, 3:6], rows[:, 6:10], rows[:, 10:19], rows[:, 19:28],
-        rows[:, 28:37], rows[:, 37:40], rows[:, 40:49],
+        rows[:, 28:37], rows[:, 37:40], rows[:, 40:49], rows[:, 49:58], rows[:, 58:67],
     )  # fmt: skip
 
 
