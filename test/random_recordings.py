@@ -145,7 +145,7 @@ def assert_same_columns(found, expected, tolerance):
         ours, theirs = getattr(found, field.name), getattr(expected, field.name)
         if dataclasses.is_dataclass(theirs):
             assert_same_columns(ours, theirs, tolerance)
-        elif isinstance(theirs, str) or theirs.dtype.kind != 'f':
+        elif theirs is None or isinstance(theirs, str) or theirs.dtype.kind != 'f':
             np.testing.assert_array_equal(ours, theirs, err_msg=field.name)
         else:
             scale = np.abs(theirs).max(axis=1, keepdims=True)
