@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 from benchmarks.accuracy import (
+    aided_drives,
     airbrakes,
     broad,
     consistency,
@@ -33,7 +34,7 @@ from dead_reckoning.tools.table import table
 KINDS = (jackal, broad, airbrakes, oxford, wrist, openshoe, gcp, xio, gaitmap, inclination)
 """One module per kind of recording; each has NAME, PATTERN and `measure`."""
 
-SIMULATED = (slopes, sensors, consistency, navigator_cost)
+SIMULATED = (slopes, sensors, consistency, aided_drives, navigator_cost)
 """What needs no recording; each has NAME and `measure`."""
 
 

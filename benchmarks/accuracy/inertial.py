@@ -18,6 +18,7 @@ from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.samples import NANOSECONDS, ImuSample, NavigationState
 from dead_reckoning.core.smoother import Smoother
 from dead_reckoning.core.stages import ODOMETRY
+from dead_reckoning.core.stages import SMOOTHED as ODOMETRY_SMOOTHED
 from dead_reckoning.core.strides import Strides
 
 Array = NDArray[np.float64]
@@ -34,8 +35,9 @@ HELD = read_values(PRESETS / 'inertial.yaml')
 VEHICLE = read_values(PRESETS / 'vehicle.yaml')
 """What a vehicle is taken with."""
 
-CAUSAL, SMOOTHED, PROMPT = 'causal', 'smoothed', 'look-ahead 0'
-"""Ways to navigate: what the live `odom` publishes, `smoothed.csv`, and live without any delay."""
+CAUSAL, STRIDES, SMOOTHED = 'causal', 'stride by stride', 'smoothed'
+PROMPT = 'look-ahead 0'
+"""Ways to navigate: `odom`, `odom_smoothed`, `smoothed.csv`, and `odom` without any delay."""
 
 EXPECTED = (NotLevelledError, RepeatedStampError)
 """Samples refused: before it is aligned, and those that a recording has twice."""
@@ -88,44 +90,44 @@ class Way:
 
 def live(recording: Recording, values: Values) -> Way:
     """Give the samples to a pipeline, one by one; the states begin when it is aligned."""
-    return _drive(Pipeline(Configuration(values)), recording)
+    return _drive(Pipeline(Configuration(values)), recording)[0]
 
 
-def smoothed(recording: Recording, values: Values) -> tuple[Way, Way]:
-    """Return what is live, and that smoothed; which begins with the rest it is aligned at."""
-    pipeline = Pipeline(Configuration(values))
+def ways(recording: Recording, values: Values) -> dict[str, Way]:
+    """Navigate in all ways; that smoothed at the end begins with the rest it is aligned at."""
+    pipeline = Pipeline(Configuration({**values, 'navigator.smoothing': True}))
     assert pipeline.navigator is not None
     smoother = Smoother(pipeline.navigator)
-    way = _drive(pipeline, recording)
-    return way, walked(StateBlock.join(list(smoother.blocks())[::-1]))
+    causal, strides = _drive(pipeline, recording)
+    return {
+        CAUSAL: causal,
+        STRIDES: walked(StateBlock.of(strides)),
+        SMOOTHED: walked(StateBlock.join(list(smoother.blocks())[::-1])),
+        PROMPT: live(recording, {**values, 'navigator.look_ahead': 0.0}),
+    }
 
 
-def _drive(pipeline: Pipeline, recording: Recording) -> Way:
+def _drive(pipeline: Pipeline, recording: Recording) -> tuple[Way, list[NavigationState]]:
+    """Return the way, and where it is smoothed stride by stride the states of that."""
     navigator = pipeline.navigator
     assert navigator is not None
-    states: list[NavigationState] = []
+    found: dict[str, list[NavigationState]] = {ODOMETRY: [], ODOMETRY_SMOOTHED: []}
 
     def take(outputs: list[Output]) -> None:
         for name, value in outputs:
-            if name == ODOMETRY:
-                states.append(value)
+            if name in found:
+                found[name].append(value)
             elif name == FAULT and not isinstance(value, EXPECTED):
                 raise value
 
     for imu in recording.samples():
         take(pipeline.chain.push(navigator.settings.input, imu))
     take(pipeline.chain.end())
+    states, smoothed = found.values()
     if not states:
         raise RecordingError(f'{recording.name}: no rest to align at')
     strides = navigator.strides
-    return Way(StateBlock.of(states), strides.count, strides.distance)
-
-
-def ways(recording: Recording, values: Values) -> dict[str, Way]:
-    """Navigate in all three ways."""
-    causal, backwards = smoothed(recording, values)
-    prompt = live(recording, {**values, 'navigator.look_ahead': 0.0})
-    return {CAUSAL: causal, SMOOTHED: backwards, PROMPT: prompt}
+    return Way(StateBlock.of(states), strides.count, strides.distance), smoothed
 
 
 def walked(states: StateBlock) -> Way:

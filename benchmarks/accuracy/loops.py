@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from benchmarks.accuracy import pictures
-from benchmarks.accuracy.inertial import CAUSAL, FOOT, PROMPT, SMOOTHED, Recording, Way, ways
+from benchmarks.accuracy.inertial import CAUSAL, FOOT, Recording, Way, ways
 from benchmarks.accuracy.report import Report
 
 Array = NDArray[np.float64]
@@ -59,23 +59,17 @@ def add_loops(report: Report, caption: str, loops: Sequence[Loop]) -> None:
     """Add the table of some loops: what is left at the end, and the sigma published with it."""
     rows = []
     for loop in loops:
-        causal, smoothed, prompt = (loop.ways[way] for way in (CAUSAL, SMOOTHED, PROMPT))
-        rows.append(
-            (
-                loop.name,
-                f'{causal.length:.1f} m',
-                f'{loop.end(CAUSAL):.3f} m',
-                f'{loop.percent(CAUSAL):.3f} %',
-                f'{causal.end[2]:+.3f} m',
-                f'{loop.end(SMOOTHED):.3f} m',
-                f'{smoothed.end[2]:+.3f} m',
-                f'{loop.end(PROMPT):.3f} m',
-                f'{prompt.end[2]:+.3f} m',
-                f'{causal.deviation[-1]:.2f} m',
-                f'{causal.strides}, {smoothed.strides}, {prompt.strides}',
-            )
-        )
-    head = ('', 'way', CAUSAL, '', 'up', SMOOTHED, 'up', PROMPT, 'up', 'σ', 'strides')
+        causal = loop.ways[CAUSAL]
+        ends = [
+            cell
+            for way, found in loop.ways.items()
+            for cell in (f'{loop.end(way):.3f} m', f'{found.end[2]:+.3f} m')
+        ]
+        counts = ', '.join(str(found.strides) for found in loop.ways.values())
+        percent, sigma = f'{loop.percent(CAUSAL):.3f} %', f'{causal.deviation[-1]:.2f} m'
+        rows.append((loop.name, f'{causal.length:.1f} m', percent, *ends, sigma, counts))
+    names = [head for way in loops[0].ways for head in (way, 'up')]
+    head = ('', 'way', CAUSAL, *names, 'σ', 'strides')
     report.add_table(caption, head, rows)
     report.figures['loops'] = {
         loop.name: {

@@ -13,9 +13,9 @@ from dead_reckoning.sources import motions
 
 VEHICLE: dict[str, Any] = {
     'nonholonomic': True, 'floor': False, 'height': 0.0, 'pivot': 0.0, 'acceleration_bias': 0.1,
-    'window': 0.2, 'minimum': 0.2, 'look_ahead': 0.3, 'patience': 1e6,
+    'window': 0.3, 'minimum': 0.15, 'look_ahead': 0.3, 'patience': 1e6,
 }  # fmt: skip
-"""Settings of the navigator for a vehicle: docs/navigation.md."""
+"""Settings of the navigator itself for a vehicle: docs/navigation.md."""
 
 
 def driven(

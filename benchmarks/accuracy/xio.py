@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.accuracy.inertial import CAUSAL, PROMPT, SMOOTHED, Recording
+from benchmarks.accuracy.inertial import CAUSAL, SMOOTHED, Recording
 from benchmarks.accuracy.loops import add_loops, draw, walk_loop
 from benchmarks.accuracy.report import Report
 from dead_reckoning.core.errors import RecordingError
@@ -30,7 +30,7 @@ def measure(path: Path, output: Path) -> Report:
     loop = walk_loop(load(path))
     report = Report(f'xio-{loop.name}', f'x-io, {loop.name} on a foot')
     add_loops(report, 'horizontal error at the end, height, strides', [loop])
-    errors = {way: f'{1000.0 * loop.end_3d(way):.0f} mm' for way in (CAUSAL, SMOOTHED, PROMPT)}
+    errors = {way: f'{1000.0 * loop.end_3d(way):.0f} mm' for way in loop.ways}
     if loop.name in THEIRS:
         errors['its authors'] = f'{1000.0 * THEIRS[loop.name]:.0f} mm'
     report.add_table('error at the end in 3-D', tuple(errors), [tuple(errors.values())])

@@ -10,6 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from benchmarks.accuracy import (
+    aided_drives,
     consistency,
     gaitmap,
     gcp,
@@ -218,6 +219,18 @@ def test_simulations_report_what_they_find(tmp_path, monkeypatch):
     report = sensors.measure(tmp_path)
     assert [goal.met for goal in report.goals] == [True, True, True]
     assert len(report.figures['rest_missed_percent']) == 12
+
+
+def test_aided_drives_report_what_they_find(tmp_path, monkeypatch):
+    monkeypatch.setattr(aided_drives, 'RUNS', 1)
+    monkeypatch.setattr(aided_drives, 'AIDS', dict(list(aided_drives.AIDS.items())[:1]))
+    report = aided_drives.measure(tmp_path)
+    tilt, outage, *_, table = report.goals
+    assert tilt.met
+    assert outage.met
+    assert table.met
+    assert 0.05 < report.figures['anees']['attitude'] < 5.0
+    assert all(picture.exists() for picture in report.pictures)
 
 
 def test_goals_are_told_apart(capsys):
