@@ -127,6 +127,26 @@ def read_poses(path: Path, topic: str | None = None) -> Iterator[NavigationState
     return _read(path, topic, POSE, wire.decode_pose)
 
 
+def read_messages(path: Path, topics: Collection[str]) -> Iterator[tuple[str, int, bytes]]:
+    """Read the messages of some topics as little-endian CDR, in the order of the recording.
+
+    Each comes with its topic and when it was recorded [ns].  Raises `RecordingError` as
+    `read_imu` does.
+    """
+    reader, connections, convert = _open(path, topics)
+
+    def messages() -> Iterator[tuple[str, int, bytes]]:
+        with _explained(path), closing(reader):
+            count = 0
+            for connection, time_ns, data in reader.messages(connections):
+                (cdr,) = convert(connection.msgtype, (data,))
+                yield connection.topic, time_ns, cdr
+                count += 1
+            _check_all(connections, count)
+
+    return messages()
+
+
 def read_blocks(path: Path, topics: Collection[str]) -> Iterator[tuple[str, Part]]:
     """Read the messages of some topics in blocks, each with its topic.
 
