@@ -1,4 +1,4 @@
-"""A Clearpath Jackal: its Imu over DDS through the nodes, set beside its wheel odometry.
+"""A Clearpath Jackal: its Imu over DDS through the nodes, beside its wheels, and aided by them.
 
 The recording is one of the tests of robot_localization (BSD-3-Clause, Charles River Analytics).
 docs/accuracy.md says what each figure is, and how far the wheels can be trusted.
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from benchmarks.accuracy import pictures
 from benchmarks.accuracy.accounting import Live, account
+from benchmarks.accuracy.aided import measure_aiding
 from benchmarks.accuracy.drift import FREE, Drift, Pair, Truth, add_drift_table, drifts, every
 from benchmarks.accuracy.report import Report
 from benchmarks.accuracy.signals import root_mean_square, rotations
@@ -75,6 +76,7 @@ def measure(path: Path, output: Path) -> Report:
     )
     drive = Drive(live.states, wheels)
     _describe(report, drive)
+    measure_aiding(report, path, TOPIC, WHEELS, samples)
     report.pictures.append(_draw(output / f'{report.name}.png', drive, truth, measured))
     return report
 

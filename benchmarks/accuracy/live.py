@@ -6,7 +6,8 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +18,18 @@ from benchmarks.accuracy.accounting import GRAVITY, INTEGRATOR, Live
 from benchmarks.accuracy.recorder import Recorder
 from dead_reckoning.core import errors
 from dead_reckoning.core.errors import RecordingError, SampleError, UnpairedError, WireError
-from dead_reckoning.core.stages import ACCELERATION, IMU, ODOMETRY
+from dead_reckoning.core.samples import NavigationState
+from dead_reckoning.core.stages import ACCELERATION, AIDING_ODOMETRY, IMU, ODOMETRY
 from dead_reckoning.tools.processes import Interruption, Nodes, environment, interruptible
 
 SPEED = 10.0
 """How many times faster than it was made a recording is played."""
+
+AIDED_SPEED = 5.0
+"""The same for several topics: less, as aiding may come no second ahead of the Imu."""
+
+NAVIGATOR = 'inertial_navigator'
+"""Name of the node."""
 
 DEADLINE = 30.0
 """How long [s] nodes may take to find each other, or to report."""
@@ -37,28 +45,20 @@ def play(path: Path, topic: str, count: int, parameters: Mapping[str, Any]) -> L
 
     Raises `NodeEndedError` or `RecordingError` if the nodes or the player fail.
     """
-    os.environ.update(environment())  # for this process and its children
-    context = rclpy.Context()
-    rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)
-    recorder = Recorder(context, depth=max(1, count))
-    given = {**_reliable(max(1, count)), **parameters}
-    try:
-        with interruptible() as interruption, Nodes({}) as nodes:
-            watch = Watch(recorder, nodes, interruption)
-            nodes.start(INTEGRATOR, given)
-            nodes.start(GRAVITY, given)
-            # Once all is seen from here, the two nodes have met by the time a player is up.
-            watch.wait_for(
-                lambda: (
-                    recorder.matched()
-                    and recorder.subscribers(ACCELERATION) == 2
-                    and recorder.subscribers(IMU) == 2
-                )
+    names = (GRAVITY, INTEGRATOR)
+    with _nodes(names, count, parameters, (ACCELERATION, ODOMETRY)) as (recorder, watch):
+        # Once all is seen from here, the two nodes have met by the time a player is up.
+        watch.wait_for(
+            lambda: (
+                recorder.matched()
+                and recorder.subscribers(ACCELERATION) == 2
+                and recorder.subscribers(IMU) == 2
             )
-            published = _run_player(path, topic, watch)
-            watch.wait_for_messages(published)
-            watch.wait_for_reports()
-        figures = {name: recorder.figures[name] for name in (GRAVITY, INTEGRATOR)}
+        )
+        published = _run_player(path, {IMU: topic}, SPEED, 2, watch)
+        watch.wait_for_messages(published)
+        watch.wait_for_reports(names)
+        figures = {name: recorder.figures[name] for name in names}
         return Live(
             published,
             recorder.accelerations(),
@@ -66,6 +66,39 @@ def play(path: Path, topic: str, count: int, parameters: Mapping[str, Any]) -> L
             {name: int(figures[name]['samples']) for name in figures},
             {name: _drops(figures[name]) for name in figures},
         )
+
+
+def play_aided(
+    path: Path, topics: Mapping[str, str], count: int, parameters: Mapping[str, Any]
+) -> list[NavigationState]:
+    """Play topics, by the names of the inputs, into an inertial navigator; return its states.
+
+    Of two topics one may be late: raise `navigator.aiding_delay` where that counts.  Raises as
+    `play` does.
+    """
+    with _nodes((NAVIGATOR,), count, parameters, (ODOMETRY,)) as (recorder, watch):
+        watch.wait_for(
+            lambda: recorder.matched() and all(recorder.subscribers(name) == 1 for name in topics)
+        )
+        watch.wait_for_messages(_run_player(path, topics, AIDED_SPEED, 1, watch))
+        watch.wait_for_reports((NAVIGATOR,))
+        return recorder.states()
+
+
+@contextmanager
+def _nodes(
+    names: Sequence[str], count: int, parameters: Mapping[str, Any], recorded: Sequence[str]
+) -> Iterator[tuple[Recorder, Watch]]:
+    """Run nodes whose queues hold ``count`` messages, and record topics that they publish."""
+    os.environ.update(environment())  # for this process and its children
+    context = rclpy.Context()
+    rclpy.init(context=context, signal_handler_options=SignalHandlerOptions.NO)
+    recorder = Recorder(context, max(1, count), recorded)
+    try:
+        with interruptible() as interruption, Nodes({}) as nodes:
+            for name in names:
+                nodes.start(name, {**_reliable(max(1, count)), **parameters})
+            yield recorder, Watch(recorder, nodes, interruption)
     finally:
         recorder.close()
         rclpy.try_shutdown(context=context)
@@ -101,21 +134,23 @@ class Watch:
             if self._recorder.received != received:
                 last, received = time.monotonic(), self._recorder.received
 
-    def wait_for_reports(self) -> None:
-        """Take turns until each node has reported twice more: once may be a report under way."""
+    def wait_for_reports(self, names: Sequence[str]) -> None:
+        """Take turns until each node has reported twice more: one may be under way."""
         before = dict(self._recorder.reports)
         self.wait_for(
             lambda: all(
-                self._recorder.reports.get(name, 0) >= before.get(name, 0) + 2
-                for name in (GRAVITY, INTEGRATOR)
+                self._recorder.reports.get(name, 0) >= before.get(name, 0) + 2 for name in names
             )
         )
 
 
-def _run_player(path: Path, topic: str, watch: Watch) -> int:
-    """Let a process play the recording; return how many messages it published."""
+def _run_player(
+    path: Path, topics: Mapping[str, str], speed: float, subscribers: int, watch: Watch
+) -> int:
+    """Let a process play topics of the recording; return how many of the first it published."""
     command = [sys.executable, '-m', 'benchmarks.accuracy.player', str(path.resolve())]
-    command += ['--topic', topic, '--speed', str(SPEED), '--subscribers', '2']
+    command += [f'{name}={topic}' for name, topic in topics.items()]
+    command += ['--speed', str(speed), '--subscribers', str(subscribers)]
     with subprocess.Popen(
         command,
         cwd=ROOT,
@@ -140,7 +175,7 @@ def _reliable(depth: int) -> dict[str, Any]:
     Nodes subscribe best-effort by default; here each queue holds the whole recording.
     """
     parameters: dict[str, Any] = {}
-    for topic in (IMU, ACCELERATION):
+    for topic in (IMU, ACCELERATION, AIDING_ODOMETRY):
         parameters[f'qos_overrides./{topic}.subscription.reliability'] = 'reliable'
         parameters[f'qos_overrides./{topic}.subscription.depth'] = depth
     for topic in (ACCELERATION, ODOMETRY):

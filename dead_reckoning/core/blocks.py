@@ -224,6 +224,26 @@ class Stamped:
     value: Any
 
 
+@dataclass(frozen=True)
+class Listed:
+    """Samples of a kind that has no columns, as they are few: at least one."""
+
+    samples: Sequence[Any]
+
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        return len(self.samples)
+
+    @property
+    def stamp_ns(self) -> list[int]:
+        """Their stamps [ns]."""
+        return [sample.stamp_ns for sample in self.samples]
+
+    def sample(self, index: int) -> Any:
+        """Return one of them."""
+        return self.samples[index]
+
+
 BLOCKS: dict[type, Any] = {
     ImuSample: ImuBlock,
     LinearAcceleration: AccelerationBlock,

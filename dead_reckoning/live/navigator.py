@@ -64,7 +64,9 @@ class NavigatorChain(LiveChain):
         if brought == IRREGULAR:
             return None
         outputs: list[Output] = []
-        stamp_ns = navigator.advance(int(self._clock[layout.STAMP]))
+        newest_ns = int(self._clock[layout.STAMP])
+        navigator._timeline._last_ns = newest_ns  # what aids it is early or late by that
+        stamp_ns = navigator.advance(newest_ns)
         if stamp_ns is not None:
             write(memory, navigator.out, stamp_ns)
             outputs = self._state(navigator.stationary)

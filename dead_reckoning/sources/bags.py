@@ -1,4 +1,4 @@
-"""Read Imu, Odometry and poses, ROS 1 ``.bag`` or rosbag2 (sqlite3, mcap); write mcap.
+"""Read Imu, Odometry, twists and poses, ROS 1 ``.bag`` or rosbag2 (sqlite3, mcap); write mcap.
 
 The only module that knows rosbags.  Samples keep the stamps of their headers and come in the order
 of the recording, one or a block at a time, so a recording may be larger than memory.  What a
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from dead_reckoning import wire
 from dead_reckoning.block_wire import decode_imus
-from dead_reckoning.core.blocks import ImuBlock, Stamped
+from dead_reckoning.core.blocks import ImuBlock, Listed, Stamped
 from dead_reckoning.core.errors import (
     DeadReckoningError,
     DependencyError,
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 IMU = 'sensor_msgs/msg/Imu'
 ODOMETRY = 'nav_msgs/msg/Odometry'
 POSE = 'geometry_msgs/msg/PoseStamped'
+POSE_WITH_COVARIANCE = 'geometry_msgs/msg/PoseWithCovarianceStamped'
+TWIST = 'geometry_msgs/msg/TwistWithCovarianceStamped'
 
 CHECKSUMS = {
     IMU: (
@@ -49,6 +51,14 @@ CHECKSUMS = {
     POSE: (
         'RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8',
         'd3812c3cbc69362b77dc0b19b345f8f5',
+    ),
+    POSE_WITH_COVARIANCE: (
+        'RIHS01_26432f9803e43727d3c8f668d1fdb3c630f548af631e2f4e31382371bfea3b6e',
+        '953b798c0f514ff060a53a3498ce6246',
+    ),
+    TWIST: (
+        'RIHS01_77b67434531e6529b7a0091357b186b6ebdb17fd9ffd3e0c7ce9d3fb11a44563',
+        '8927a1a12fb2607ceea095b2dc440a96',
     ),
 }
 """Those of the standard types, of ROS 2 and of ROS 1.
@@ -68,7 +78,15 @@ SUFFIXES = ('.bag', '.mcap', '.db3')
 _ALLOWED = 'name a .bag of ROS 1, a rosbag2 folder, or the .mcap or .db3 file in one'
 
 Sample = TypeVar('Sample')
-Converter: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
+Part: TypeAlias = ImuBlock | Listed | Stamped
+Converter: TypeAlias = Callable[[str, Sequence[bytes]], Sequence[bytes]]
+
+AIDING: dict[str, Callable[[bytes], Any]] = {
+    ODOMETRY: wire.decode_odometry_twist,
+    POSE_WITH_COVARIANCE: wire.decode_pose_with_covariance,
+    TWIST: wire.decode_twist,
+}
+"""What reads a message that may aid a navigator, by its type."""
 
 
 def topics(path: Path) -> dict[str, str]:
@@ -109,22 +127,46 @@ def read_poses(path: Path, topic: str | None = None) -> Iterator[NavigationState
     return _read(path, topic, POSE, wire.decode_pose)
 
 
-def read_blocks(path: Path, topics: Collection[str]) -> Iterator[tuple[str, ImuBlock | Stamped]]:
-    """Read the sensor_msgs/Imu messages of some topics in blocks, each with its topic.
+def read_messages(path: Path, topics: Collection[str]) -> Iterator[tuple[str, int, bytes]]:
+    """Read the messages of some topics as little-endian CDR, in the order of the recording.
 
-    A block ends where another topic or another frame_id follows.  A message that can't be read is
-    a `WireError`, stamped with when it was recorded.  Raises `RecordingError` as `read_imu` does.
+    Each comes with its topic and when it was recorded [ns].  Raises `RecordingError` as
+    `read_imu` does.
     """
-    reader, connections, convert = _open(path, topics, IMU)
+    reader, connections, convert = _open(path, topics)
 
-    def blocks() -> Iterator[tuple[str, ImuBlock | Stamped]]:
+    def messages() -> Iterator[tuple[str, int, bytes]]:
+        with _explained(path), closing(reader):
+            count = 0
+            for connection, time_ns, data in reader.messages(connections):
+                (cdr,) = convert(connection.msgtype, (data,))
+                yield connection.topic, time_ns, cdr
+                count += 1
+            _check_all(connections, count)
+
+    return messages()
+
+
+def read_blocks(path: Path, topics: Collection[str]) -> Iterator[tuple[str, Part]]:
+    """Read the messages of some topics in blocks, each with its topic.
+
+    They are sensor_msgs/Imu, or what may aid a navigator, of whose Odometry the twist is taken.  A
+    block ends where another topic or another frame_id follows.  A message that can't be read is a
+    `WireError`, stamped with when it was recorded.  Raises `RecordingError` as `read_imu` does.
+    """
+    reader, connections, convert = _open(path, topics)
+
+    def blocks() -> Iterator[tuple[str, Part]]:
         with _explained(path), closing(reader):
             recorded, count = reader.messages(connections), 0
             while several := list(islice(recorded, BLOCK)):
                 count += len(several)
                 for connection, group in groupby(several, itemgetter(0)):
                     _, times, messages = zip(*group, strict=True)
-                    for index, made in decode_imus(convert(messages)):
+                    kind = connection.msgtype
+                    cdr = convert(kind, messages)
+                    decoded = decode_imus(cdr) if kind == IMU else _decode(kind, cdr)
+                    for index, made in decoded:
                         if isinstance(made, WireError):
                             yield connection.topic, Stamped(times[index], made)
                         else:
@@ -134,33 +176,40 @@ def read_blocks(path: Path, topics: Collection[str]) -> Iterator[tuple[str, ImuB
     return blocks()
 
 
+def _decode(kind: str, messages: Sequence[bytes]) -> Iterator[tuple[int, Listed | WireError]]:
+    """Yield messages, each with its number, as a sample or why it is none."""
+    for index, data in enumerate(messages):
+        try:
+            yield index, Listed((AIDING[kind](data),))
+        except WireError as error:
+            yield index, error
+
+
 def _read(
     path: Path, topic: str | None, message_type: str, decode: Callable[[bytes], Sample]
 ) -> Iterator[Sample]:
     topic = _choose(path, topics(path), topic, message_type)
-    reader, connections, convert = _open(path, [topic], message_type)
+    reader, connections, convert = _open(path, [topic])
 
     def samples() -> Iterator[Sample]:
         with _explained(path), closing(reader):
             count = 0
             for _, _, data in reader.messages(connections):
-                yield decode(*convert((data,)))
+                yield decode(*convert(message_type, (data,)))
                 count += 1
             _check_all(connections, count)
 
     return samples()
 
 
-def _open(
-    path: Path, chosen: Collection[str], message_type: str
-) -> tuple[Reader, list[Connection], Converter]:
+def _open(path: Path, chosen: Collection[str]) -> tuple[Reader, list[Connection], Converter]:
     """Open a recording; return it, some topics of it, and what makes little-endian CDR of them."""
     with _explained(path):
         reader = _reader(path)
         reader.open()
         try:
             connections = [c for c in reader.connections if c.topic in chosen]
-            return reader, connections, _converter(path, connections, message_type)
+            return reader, connections, _converter(path, connections)
         except BaseException:
             reader.close()
             raise
@@ -250,19 +299,19 @@ def _choose(path: Path, types: dict[str, str], topic: str | None, wanted: str) -
     return topic
 
 
-def _converter(path: Path, connections: Sequence[Connection], message_type: str) -> Converter:
+def _converter(path: Path, connections: Sequence[Connection]) -> Converter:
     """Return what turns recorded bytes of a standard type into little-endian CDR."""
     ros1 = _is_ros1(path)
-    rihs01, md5 = CHECKSUMS[message_type]
-    checksum = md5 if ros1 else rihs01
     for connection in connections:
+        rihs01, md5 = CHECKSUMS[connection.msgtype]
+        checksum = md5 if ros1 else rihs01
         if connection.digest not in (checksum, '', '*'):
             raise RecordingError(
-                f'{path}: {connection.topic} holds a {message_type} other than the standard one '
-                f'(checksum {connection.digest}, not {checksum})'
+                f'{path}: {connection.topic} holds a {connection.msgtype} other than the standard '
+                f'one (checksum {connection.digest}, not {checksum})'
             )
 
-    def convert_one(data: bytes) -> bytes:
+    def convert_one(message_type: str, data: bytes) -> bytes:
         store = _typestore()
         try:
             if ros1:
@@ -274,12 +323,12 @@ def _converter(path: Path, connections: Sequence[Connection], message_type: str)
 
     is_fit = methodcaller('startswith', wire.LITTLE_ENDIAN[:2])
 
-    def convert(messages: Sequence[bytes]) -> Sequence[bytes]:
+    def convert(message_type: str, messages: Sequence[bytes]) -> Sequence[bytes]:
         if ros1:
-            return [convert_one(data) for data in messages]
+            return [convert_one(message_type, data) for data in messages]
         if all(map(is_fit, messages)):
             return messages
-        return [data if is_fit(data) else convert_one(data) for data in messages]
+        return [data if is_fit(data) else convert_one(message_type, data) for data in messages]
 
     return convert
 

@@ -5,15 +5,38 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
-from dead_reckoning.core.blocks import ImuBlock, Stamped
+from dead_reckoning.core.blocks import ImuBlock, Listed, Stamped
 from dead_reckoning.core.errors import RecordingError
 from dead_reckoning.core.parameters import Parts
-from dead_reckoning.core.stages import BESIDE, COMPASS, IMU, RAW
+from dead_reckoning.core.stages import (
+    AIDING_ODOMETRY,
+    AIDING_POSE,
+    AIDING_TWIST,
+    BESIDE,
+    COMPASS,
+    IMU,
+    RAW,
+    SET_POSE,
+)
 from dead_reckoning.sources import bags
 from dead_reckoning.sources.csv_recording import CsvRecording
 
-Flow = Iterator[tuple[tuple[str, ...], ImuBlock | Stamped]]
+Flow = Iterator[tuple[tuple[str, ...], ImuBlock | Listed | Stamped]]
+
+NONE: Mapping[str, str] = MappingProxyType({})
+
+TYPES = {
+    RAW: bags.IMU,
+    IMU: bags.IMU,
+    COMPASS: bags.IMU,
+    AIDING_TWIST: bags.TWIST,
+    AIDING_ODOMETRY: bags.ODOMETRY,
+    AIDING_POSE: bags.POSE_WITH_COVARIANCE,
+    SET_POSE: bags.POSE_WITH_COVARIANCE,
+}
+"""Message types of the inputs of a chain."""
 
 
 @dataclass(frozen=True)
@@ -35,11 +58,17 @@ class Recording:
 
 
 def open_recording(
-    path: Path, inputs: Collection[str], parts: Parts, imu: str | None, rate: float | None
+    path: Path,
+    inputs: Collection[str],
+    parts: Parts,
+    imu: str | None,
+    rate: float | None,
+    remaps: Mapping[str, str] = NONE,
 ) -> Recording:
     """Open a bag or a CSV table; ``inputs`` are the topics of the chain, ``imu`` that of the bag.
 
-    Raises `InputError` or `RecordingError`, at once or on the way.
+    ``remaps`` are topics of the bag by the inputs that they go to.  Raises `InputError` or
+    `RecordingError`, at once or on the way.
     """
     if path.suffix.lower() == '.csv' and not path.is_dir():
         table = CsvRecording(path, parts, rate)
@@ -50,7 +79,7 @@ def open_recording(
             f'{path}: no recording; name a .csv, a .bag of ROS 1, a rosbag2 folder, or the .mcap '
             'or .db3 file in one'
         )
-    chosen = choose(path, bags.topics(path), inputs, imu)
+    chosen = choose(path, bags.topics(path), inputs, imu, remaps)
     length = bags.count(path, chosen)
     if not length:
         raise RecordingError(f'{path}: no message on {", ".join(sorted(chosen))}')
@@ -59,36 +88,56 @@ def open_recording(
 
 
 def choose(
-    path: Path, types: Mapping[str, str], inputs: Collection[str], imu: str | None
+    path: Path,
+    types: Mapping[str, str],
+    inputs: Collection[str],
+    imu: str | None,
+    remaps: Mapping[str, str] = NONE,
 ) -> dict[str, tuple[str, ...]]:
     """Return which topics of a bag go to which inputs of the chain.
 
     An Imu is the named topic, else the one of the input's own name in any namespace, else the only
-    one there is.  The compass is taken where it is found by its name.
+    one there is.  What is beside it, compass and aiding, is the named topic, else taken where it
+    is found by its name and type.
     """
     imus = sorted(topic for topic, kind in types.items() if kind == bags.IMU)
     listed = ', '.join(f'{name} ({kind})' for name, kind in sorted(types.items())) or 'no topic'
-    if imu is not None and imu not in imus:
-        what = f'holds {types[imu]}, not {bags.IMU}' if imu in types else 'is not in it'
-        raise RecordingError(f'{path}: --imu {imu} {what}; there is {listed}')
+
+    def require(option: str, topic: str, kind: str) -> None:
+        if types.get(topic) != kind:
+            what = f'holds {types[topic]}, not {kind}' if topic in types else 'is not in it'
+            raise RecordingError(f'{path}: {option}{topic} {what}; there is {listed}')
+
+    if imu is not None:
+        require('--imu ', imu, bags.IMU)
+    for name, topic in remaps.items():
+        if name not in inputs:
+            raise RecordingError(f'--remap {name}: no such input; there are {", ".join(inputs)}')
+        require(f'--remap {name}:=', topic, TYPES[name])
     if not imus:
         raise RecordingError(f'{path}: no topic holds {bags.IMU}; there is {listed}')
     chosen: dict[str, list[str]] = {}
     for name in inputs:
         if name in BESIDE:
             continue
-        fitting = [imu] if imu else [t for t in imus if _is(t, name)]
+        named = remaps.get(name, imu)
+        fitting = [named] if named else [t for t in imus if _is(t, name)]
         fitting = fitting or [t for t in imus if not _is(t, COMPASS)]
         if len(fitting) != 1:
             raise RecordingError(
                 f'{path}: {name} may be any of {", ".join(fitting or imus)}; name one with --imu'
             )
         chosen.setdefault(fitting[0], []).append(name)
-    if COMPASS in inputs:
-        compasses = [t for t in imus if _is(t, COMPASS) and t not in chosen]
-        near = [t for t in compasses if t == f'{namespace(chosen)}{COMPASS}']
-        for topic in near or (compasses if len(compasses) == 1 else []):
-            chosen[topic] = [COMPASS]
+    place = namespace(chosen)
+    for name in inputs:
+        if name not in BESIDE:
+            continue
+        fitting = [t for t, kind in types.items() if _is(t, name) and kind == TYPES[name]]
+        fitting = [t for t in fitting if t not in chosen]
+        near = [t for t in fitting if t == f'{place}{name}']
+        found = near or (fitting if len(fitting) == 1 else [])
+        for topic in [remaps[name]] if name in remaps else found:
+            chosen.setdefault(topic, []).append(name)
     return {topic: tuple(names) for topic, names in chosen.items()}
 
 

@@ -108,7 +108,7 @@ def write_jackal(path):
             header(k),
             quaternion(k),
             variances,
-            vector(0.0),
+            vector(0.0, 0.0, 0.2 if gone[k] > 0.0 else 0.0),
             variances,
             vector(*force[k]),
             variances,
@@ -123,7 +123,7 @@ def write_jackal(path):
             header(k),
             'base_link',
             types['geometry_msgs/msg/PoseWithCovariance'](pose, np.zeros(36)),
-            types['geometry_msgs/msg/TwistWithCovariance'](twist, np.zeros(36)),
+            types['geometry_msgs/msg/TwistWithCovariance'](twist, 1e-3 * np.eye(6).ravel()),
         )
 
     path.parent.mkdir(parents=True)
@@ -170,6 +170,10 @@ def test_the_command_measures_what_is_there(tmp_path, domain_id):
     assert drive['messages']['dropped'] == {GRAVITY: repeated, INTEGRATOR: repeated}
     assert not any(drive['messages']['unaccounted'].values())
     assert drive['equal_to_direct_chain']
+    assert drive['aided_equal_to_direct_chain']
+    aided = drive['aided']['vehicle.yaml, aided']
+    assert aided['taken'] > 500 > 5 > aided['refused']
+    assert aided['way_m'] == pytest.approx(drive['drive']['wheel_distance_m'], rel=0.02)
     assert drive['drift']['against the wheels']['2 s']['median_m'] < 0.02
     assert drive['drive']['integrated_distance_m'] == pytest.approx(
         drive['drive']['wheel_distance_m'], rel=0.05

@@ -3,15 +3,24 @@
 import yaml
 from rosbags.rosbag2 import Reader
 
+from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.sources.bags import BagWriter
 from dead_reckoning.tools.main import main
+from dead_reckoning.topics import topics
 
 
 def odometry_of(topic, messages, settings, folder):
     """Record Imu messages in a bag, replay it, and return the messages of its `odom`, as bytes."""
-    writer = BagWriter(folder / 'recorded', {f'/{topic}': ('sensor_msgs/msg/Imu', False)})
-    for number, message in enumerate(messages):
-        writer.write(f'/{topic}', number, message)
+    return odometry_of_all([(topic, message) for message in messages], settings, folder)
+
+
+def odometry_of_all(messages, settings, folder):
+    """Do so with messages of any topics, in their order."""
+    known = topics(FrameSettings())
+    types = {f'/{name}': (known[name].type, False) for name, _ in messages}
+    writer = BagWriter(folder / 'recorded', types)
+    for number, (name, message) in enumerate(messages):
+        writer.write(f'/{name}', number, message)
     writer.close()
     config = folder / 'config.yaml'
     config.write_text(yaml.safe_dump({'/**': {'ros__parameters': settings}}))

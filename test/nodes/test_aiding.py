@@ -7,6 +7,7 @@ from messages import NANOSECONDS, START_NS, stamped
 from moving_state import LEVEL_WALK
 from nav_msgs.msg import Odometry, Path
 from rclpy.serialization import serialize_message
+from replays import odometry_of_all
 from ros_harness import DEEP, LATCHED, figures, lossless
 from sensor_msgs.msg import Imu
 from simulated_walks import measured
@@ -62,6 +63,8 @@ class Walker:
         self.imu = ros.publisher(RAW, Imu)
         self.publishers = {}
         self.outputs = []
+        self.messages = []
+        """All that was sent, with the names of the topics."""
         self.sent = 0
 
     def send(self, name, message):
@@ -69,14 +72,17 @@ class Walker:
         if name not in self.publishers:
             self.publishers[name] = self.ros.publisher(name, type(message))
         self.publishers[name].publish(message)
-        sample = self.spoken[name].decode(bytes(serialize_message(message)))
-        self.outputs += self.chain.push(name, sample)
+        data = bytes(serialize_message(message))
+        self.messages.append((name, data))
+        self.outputs += self.chain.push(name, self.spoken[name].decode(data))
 
     def walk(self, count):
         """Send so many samples more, and wait for the odometry of the last."""
         for index in range(self.sent, self.sent + count):
             sample = BLOCK.sample(index)
-            self.imu.publish(wire.encode_imu(sample))
+            data = wire.encode_imu(sample)
+            self.imu.publish(data)
+            self.messages.append((RAW, data))
             self.outputs += self.chain.push(RAW, sample)
         self.sent += count
         stamp = wire.encode_imu(BLOCK.sample(self.sent - 1))[4:12]
@@ -107,7 +113,7 @@ def at(index):
 
 
 @pytest.mark.parametrize('node', ['inertial_navigator', 'pipeline'])
-def test_node_takes_what_aids_it_as_the_chain_does(ros, node):
+def test_node_takes_what_aids_it_as_chain_and_replay_do(ros, tmp_path, node):
     """However topics overtake each other: what is late is taken at its stamp, bit for bit."""
     walker = Walker(ros, node)
     walker.walk(200)
@@ -124,6 +130,13 @@ def test_node_takes_what_aids_it_as_the_chain_does(ros, node):
     walker.walk(20)
     assert walker.same()
     assert int(walker.all_taken('aiding_twist', 13)['placed']) == 1
+
+    replayed = odometry_of_all(walker.messages, walker.settings, tmp_path)[-1]
+    doubles, last = 8 * 85, bytes(walker.odom.messages[-1])
+    assert replayed[:-doubles] == last[:-doubles]
+    np.testing.assert_allclose(
+        np.frombuffer(replayed[-doubles:]), np.frombuffer(last[-doubles:]), rtol=1e-9, atol=1e-9
+    )
 
 
 def test_switches_refusals_and_set_pose(ros):

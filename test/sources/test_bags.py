@@ -18,12 +18,14 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from dead_reckoning import wire
 from dead_reckoning.core.blocks import ImuBlock, Stamped
 from dead_reckoning.core.errors import DependencyError, RecordingError, WireError
-from dead_reckoning.core.samples import UNKNOWN, ImuSample
+from dead_reckoning.core.samples import UNKNOWN, ImuSample, PoseSample, VelocitySample
 from dead_reckoning.sources import bags
 from dead_reckoning.sources.bags import BagWriter, read_blocks, read_imu, read_odometry, topics
 
 IMU = 'sensor_msgs/msg/Imu'
 ODOMETRY = 'nav_msgs/msg/Odometry'
+POSE_WITH_COVARIANCE = 'geometry_msgs/msg/PoseWithCovarianceStamped'
+TWIST = 'geometry_msgs/msg/TwistWithCovarianceStamped'
 FORMATS = ('ros1', 'sqlite3', 'mcap')
 FILES = {'ros1': 'walk.bag', 'sqlite3': 'walk/walk.db3', 'mcap': 'walk/walk.mcap'}
 UNSAID = np.zeros(9)
@@ -80,6 +82,23 @@ class Messages:
             'base_link',
             self.make('geometry_msgs/msg/PoseWithCovariance', at, pose.ravel()),
             self.make('geometry_msgs/msg/TwistWithCovariance', speed, twist.ravel()),
+        )
+
+    def twist(self, stamp_ns, velocity, covariance):
+        speed = self.make('geometry_msgs/msg/Twist', self.vector(velocity), self.vector((9,) * 3))
+        return self.make(
+            TWIST,
+            self.header(stamp_ns, 'wheel'),
+            self.make('geometry_msgs/msg/TwistWithCovariance', speed, covariance.ravel()),
+        )
+
+    def pose(self, stamp_ns, position, orientation, covariance):
+        point = self.make('geometry_msgs/msg/Point', *position)
+        at = self.make('geometry_msgs/msg/Pose', point, self.quaternion(orientation))
+        return self.make(
+            POSE_WITH_COVARIANCE,
+            self.header(stamp_ns, 'odom'),
+            self.make('geometry_msgs/msg/PoseWithCovariance', at, covariance.ravel()),
         )
 
 
@@ -220,6 +239,43 @@ def test_topics_come_in_the_order_of_the_recording(tmp_path, kind):
     order = [(topic, stamp) for topic, stamps in found for stamp in stamps]
     assert sorted(order, key=lambda one: (one[1] + 1) // 2) == order
     assert [one for one in order if one[0] == '/a'] == [('/a', 1), ('/a', 3), ('/a', 5)]
+
+
+def test_what_aids_a_navigator_comes_one_by_one(tmp_path, kind):
+    covariance = np.arange(36.0).reshape(6, 6)
+    first = tuple(covariance[:3, :3].ravel())
+    second = tuple(covariance[3:, 3:].ravel())
+    velocity, quarter = (1.0, 2.0, 3.0), (0.0, 0.0, 0.6, 0.8)
+    path = write(
+        tmp_path,
+        kind,
+        {
+            '/imu': (IMU, stamps(1, 2)),
+            '/twist': (TWIST, lambda m: [m.twist(3, velocity, covariance)]),
+            '/odom': (
+                ODOMETRY,
+                lambda m: [
+                    m.odometry(4, (9,) * 3, quarter, velocity, (9,) * 3, -covariance, covariance)
+                ],
+            ),
+            '/pose': (
+                POSE_WITH_COVARIANCE,
+                lambda m: [m.pose(5, velocity, quarter, covariance)] * 2,
+            ),
+        },
+    )
+    found = {}
+    for topic, block in read_blocks(path, ['/imu', '/twist', '/odom', '/pose']):
+        assert len(block.stamp_ns) == len(block)
+        found.setdefault(topic, []).extend(block.sample(k) for k in range(len(block)))
+    pose = PoseSample(5, 'odom', velocity, first, quarter, second)
+    assert [sample.stamp_ns for sample in found['/imu']] == [1, 2]
+    for topic, expected in (
+        ('/twist', [VelocitySample(3, 'wheel', velocity, first)]),
+        ('/odom', [VelocitySample(4, 'base_link', velocity, first)]),
+        ('/pose', [pose, pose]),
+    ):
+        assert list(map(astuple, found[topic])) == list(map(astuple, expected))
 
 
 def test_how_many_messages_there_are(tmp_path, kind):

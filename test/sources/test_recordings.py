@@ -5,7 +5,15 @@ from pathlib import Path
 import pytest
 
 from dead_reckoning.core.errors import RecordingError
-from dead_reckoning.core.stages import COMPASS, IMU, RAW
+from dead_reckoning.core.stages import (
+    AIDING_ODOMETRY,
+    AIDING_POSE,
+    AIDING_TWIST,
+    COMPASS,
+    IMU,
+    RAW,
+    SET_POSE,
+)
 from dead_reckoning.sources.recordings import choose, namespace
 
 PATH = Path('walk.bag')
@@ -80,3 +88,60 @@ def test_the_namespace_is_that_of_the_imu():
     assert namespace(['/robot1/imu/data_raw']) == '/robot1/'
     assert namespace(['/imu/data']) == '/'
     assert namespace(['/phone']) == '/'
+
+
+TWIST = 'geometry_msgs/msg/TwistWithCovarianceStamped'
+ODOMETRY = 'nav_msgs/msg/Odometry'
+POSE = 'geometry_msgs/msg/PoseWithCovarianceStamped'
+ALL = (RAW, COMPASS, AIDING_TWIST, AIDING_ODOMETRY, AIDING_POSE, SET_POSE)
+
+
+@pytest.mark.parametrize(
+    ('types', 'remaps', 'expected'),
+    [
+        (
+            {'/aiding/twist': TWIST, '/aiding/odom': ODOMETRY, '/aiding/pose': POSE},
+            {},
+            {
+                '/aiding/twist': (AIDING_TWIST,),
+                '/aiding/odom': (AIDING_ODOMETRY,),
+                '/aiding/pose': (AIDING_POSE,),
+            },
+        ),
+        ({'/set_pose': POSE}, {}, {'/set_pose': (SET_POSE,)}),
+        ({'/aiding/odom': TWIST, '/odom': ODOMETRY, '/wheels/odom': ODOMETRY}, {}, {}),
+        (
+            {'/aiding/odom': ODOMETRY, '/wheels/odom': ODOMETRY, '/gps': POSE, '/north': KIND},
+            {
+                AIDING_ODOMETRY: '/wheels/odom',
+                AIDING_POSE: '/gps',
+                SET_POSE: '/gps',
+                COMPASS: '/north',
+                RAW: '/imu/data_raw',
+            },
+            {
+                '/north': (COMPASS,),
+                '/wheels/odom': (AIDING_ODOMETRY,),
+                '/gps': (AIDING_POSE, SET_POSE),
+            },
+        ),
+    ],
+)
+def test_aiding_is_found_by_name_and_type_or_as_it_is_named(types, remaps, expected):
+    types = {'/imu/data_raw': KIND, '/imu/other': KIND} | types
+    found = choose(PATH, types, ALL, None, remaps)
+    assert found == {'/imu/data_raw': (RAW,)} | expected
+
+
+@pytest.mark.parametrize(
+    ('remaps', 'words'),
+    [
+        ({'odom': '/wheels'}, '--remap odom: no such input; there are imu/data_raw, compass/data'),
+        ({AIDING_TWIST: '/gps'}, '--remap aiding/twist:=/gps is not in it; there is /imu'),
+        ({AIDING_TWIST: '/wheels'}, f'/wheels holds {ODOMETRY}, not {TWIST}; there is /imu'),
+    ],
+)
+def test_what_can_not_be_remapped_is_named(remaps, words):
+    types = {'/imu': KIND, '/wheels': ODOMETRY}
+    with pytest.raises(RecordingError, match=words):
+        choose(PATH, types, ALL, None, remaps)

@@ -32,6 +32,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument('--imu', metavar='TOPIC', help='topic of the Imu, where several may be')
     parser.add_argument(
+        '-r',
+        '--remap',
+        type=_remap,
+        action='append',
+        default=[],
+        metavar='NAME:=TOPIC',
+        help='topic of a bag for an input, as aiding/odom:=/wheels/odom; may come several times',
+    )
+    parser.add_argument(
         '--rate', type=_rate, metavar='HZ', help='samples per second of a .csv without stamps'
     )
     parser.add_argument(
@@ -69,6 +78,7 @@ def main(arguments: argparse.Namespace) -> int:
             wanted=wanted,
             imu=arguments.imu,
             rate=arguments.rate,
+            remaps=dict(arguments.remap),
             watched=alone,
         )
         for path, folder in zip(
@@ -153,6 +163,13 @@ def faults(outcome: Any) -> list[str]:
 
 def _said(value: float | None, form: str, unit: str = '') -> str:
     return NONE if value is None else f'{value:{form}}{unit}'
+
+
+def _remap(text: str) -> tuple[str, str]:
+    name, separator, topic = text.partition(':=')
+    if not (name and separator and topic):
+        raise argparse.ArgumentTypeError(f'{text!r} is not NAME:=TOPIC')
+    return name, topic
 
 
 def _rate(text: str) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,8 +28,9 @@ class Job:
 
     ``wanted``
         names of outputs; None for all that there is something to write for.
-    ``imu``, ``rate``
-        topic of the Imu, and samples per second of a table without stamps [Hz].
+    ``imu``, ``rate``, ``remaps``
+        topic of the Imu, samples per second of a table without stamps [Hz], and topics of a bag by
+        the inputs that they go to.
     ``watched``
         whether someone looks at the progress.
     """
@@ -40,6 +41,7 @@ class Job:
     wanted: tuple[str, ...] | None = None
     imu: str | None = None
     rate: float | None = None
+    remaps: Mapping[str, str] = field(default_factory=dict)
     watched: bool = False
 
 
@@ -64,7 +66,9 @@ def run(job: Job) -> Result:
     source, folder = job.path.resolve(), job.folder.resolve()
     if any(folder / name in (source, *source.parents) for name in files):
         raise InputError(f'{job.path}: this would be replaced by what comes of it')
-    recording = open_recording(job.path, pipeline.inputs, job.configuration, job.imu, job.rate)
+    recording = open_recording(
+        job.path, pipeline.inputs, job.configuration, job.imu, job.rate, job.remaps
+    )
     task = Task(job.path.name, job.configuration, pipeline, recording, Summary(pipeline))
     try:
         with complete_or_absent(job.folder, files) as folder, ExitStack() as stack:
