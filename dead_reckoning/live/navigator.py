@@ -64,7 +64,8 @@ class NavigatorChain(LiveChain):
         if brought == IRREGULAR:
             return None
         outputs: list[Output] = []
-        stamp_ns = navigator.advance(int(self._clock[layout.STAMP]))
+        now_ns = navigator._timeline._last_ns = int(self._clock[layout.STAMP])  # what aids goes by
+        stamp_ns = navigator.advance(now_ns)
         if stamp_ns is not None:
             write(memory, navigator.out, stamp_ns)
             outputs = self._state(navigator.stationary)
@@ -74,4 +75,4 @@ class NavigatorChain(LiveChain):
         return outputs + self._steps.of(brought)
 
     def _leave(self, memory: Array, last_ns: int) -> None:
-        self._navigator._timeline._last_ns = last_ns
+        """Leave all where it is: the navigator was never behind."""
