@@ -108,6 +108,27 @@ def test_the_first_ones_are_taken_though_nothing_was_kept_yet():
     assert found._state[TAKEN : TAKEN + 2].sum() == 2.0
 
 
+@pytest.mark.parametrize('index', [396, 405, 415])
+def test_what_is_kept_from_somewhere_on_is_gone_through_as_it_was(index):
+    ends = []
+    for since in (0, 400):
+        found = navigator()
+        for k in range(420):
+            if k == since:
+                found.keep()
+            with suppress(NotLevelledError):
+                found.update(BLOCK.sample(k))
+        found.follow(int(BLOCK.stamp_ns[index]), layout.VECTOR, velocity(index))
+        for k in range(420, 440):
+            found.update(BLOCK.sample(k))
+        found._state[layout.LOGGED] = 0.0
+        ends.append(found._state)
+    if index < 400:  # one of the samples that waited then
+        np.testing.assert_allclose(ends[1][:17], ends[0][:17], atol=5e-3)
+    else:
+        np.testing.assert_array_equal(*ends)
+
+
 def test_a_restart_forgets_what_was_before():
     found = navigator()
     found.keep()
