@@ -195,7 +195,7 @@ def test_a_compass_comes_in_between(kind):
 
 @pytest.mark.parametrize('kind', ['late', 'at once', 'pedometer'])
 def test_what_aids_comes_in_between(kind):
-    """Early, late, far too late or ahead: it is taken, or refused, by the stamp of the last Imu."""
+    """Early, late, too late or far ahead: it is taken or refused by the stamp of the last Imu."""
     random = np.random.default_rng(7)
     happens = []
     for call, *given in traffic(CHAINS[kind], 7, odd=0.0, services=(reset, level)):
