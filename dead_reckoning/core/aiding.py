@@ -18,11 +18,13 @@ from dead_reckoning.core.rotation import (
     yaw_from_quaternion,
 )
 from dead_reckoning.core.samples import (
+    IDENTITY_QUATERNION,
     NANOSECONDS,
     UNMEASURED_VARIANCE,
     ZERO,
     Matrix,
     PoseSample,
+    Quaternion,
     Vector,
     VelocitySample,
 )
@@ -78,6 +80,7 @@ class Aiding:
         self._require_world(pose)
         _require(pose.position, pose.position_covariance, 'position')
         _require(ZERO, pose.attitude_covariance, 'orientation')
+        attitude, variance = _attitude(pose), pose.attitude_covariance[8]
         arm = settings.pose_lever_arm
         if self._placed is not navigator.strides:  # since the last start of the navigator
             self._place(pose, arm, _held(pose.attitude_covariance))
@@ -89,10 +92,8 @@ class Aiding:
             *_half(pose.position_covariance), *_difference(arm, self._lever_arm()),
         )  # fmt: skip
         navigator.follow(pose.stamp_ns, layout.VECTOR, told)
-        variance = pose.attitude_covariance[8]
         if variance < UNMEASURED_VARIANCE:
-            yaw = yaw_from_quaternion(normalized(pose.attitude))
-            patience = settings.aiding_patience
+            yaw, patience = yaw_from_quaternion(attitude), settings.aiding_patience
             told = (yaw, variance, interval, 0.0, patience, layout.BY_POSE_YAW)
             navigator.follow(pose.stamp_ns, layout.YAW, told)
 
@@ -128,7 +129,7 @@ class Aiding:
         told = (
             *_difference(pose.position, self._start()),
             *_half(position_covariance or pose.position_covariance),
-            *normalized(pose.attitude),
+            *_attitude(pose),
             *_half(attitude_covariance),
             *_difference(self._lever_arm(), arm),
         )
@@ -192,6 +193,13 @@ def _askew(covariance: Matrix, velocity: Vector, angle: float) -> Matrix:
     variance = angle**2 * sum(v * v for v in velocity)
     xx, xy, xz, yx, yy, yz, zx, zy, zz = covariance
     return (xx + variance, xy, xz, yx, yy + variance, yz, zx, zy, zz + variance)
+
+
+def _attitude(pose: PoseSample) -> Quaternion:
+    """Return the attitude of a pose; none, which many send, where the yaw is not measured."""
+    if pose.attitude_covariance[8] < UNMEASURED_VARIANCE:
+        return normalized(pose.attitude)
+    return IDENTITY_QUATERNION
 
 
 def _half(covariance: Matrix) -> tuple[float, ...]:

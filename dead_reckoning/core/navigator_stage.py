@@ -53,8 +53,12 @@ class BodyStates:
 
     @property
     def start(self) -> Vector:
-        """Where the sensor was at the last start."""
-        return self.starts[-1] if self.starts else ZERO
+        """Where the sensor was at this start; raises `NotLevelledError` before its first state."""
+        if self.mounting.translation == ZERO:
+            return ZERO
+        if self._navigator.strides is not self._begun:
+            raise NotLevelledError('a pose came before the first state: it is known then where to')
+        return self.starts[-1]
 
     def turned(self, imu: ImuSample) -> ImuSample:
         """Return a sample in the axes of the body; raises `MissingMountingError`."""
@@ -74,10 +78,10 @@ class BodyStates:
         return self.moved(state, self.starts[-1])
 
     def of_smoothed(self, blocks: Iterable[StateBlock]) -> Iterator[NavigationState]:
-        """Yield the states of the body for smoothed ones of the present start."""
+        """Yield the states of the body for smoothed ones of the last start."""
         for block in blocks:
             for k in range(len(block)):
-                yield self.moved(block.sample(k), self.start)
+                yield self.moved(block.sample(k), self.starts[-1] if self.starts else ZERO)
 
     def smoothed(self, blocks: Iterable[StateBlock]) -> Iterator[StateBlock]:
         """Yield the states of the body for those of a smoother, from the last to the first."""

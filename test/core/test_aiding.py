@@ -152,6 +152,67 @@ def test_a_pose_without_a_yaw_places_but_does_not_turn():
     assert found._state[0] == pytest.approx(100.0, abs=1.0)
 
 
+def test_a_pose_without_an_orientation_needs_none():
+    found, chain = begun()
+    unknown = (HUGE, 0.0, 0.0, 0.0, HUGE, 0.0, 0.0, 0.0, HUGE)
+    for k in range(2):  # the one that places, and one that is measured
+        sample = pose(
+            (100.0, 0.0, 0.0), attitude=(0.0,) * 4, attitude_covariance=unknown,
+            stamp_ns=STAMP + 5_000_000 * k,
+        )  # fmt: skip
+        assert not chain.push(AIDING_POSE, sample)
+    assert (found.counts['placed'], found.counts['aiding_pose']) == (1, 1)
+
+
+def test_a_measured_pose_is_taken_as_a_whole_or_not_at_all():
+    found, chain = begun()
+    assert not chain.push(AIDING_POSE, pose())
+    before = found._state.copy()
+    (message,) = faults(chain, AIDING_POSE, pose((1.0, 0.0, 0.0), attitude=(0.0,) * 4))
+    assert 'no rotation' in message
+    np.testing.assert_array_equal(found._state, before)
+
+
+def test_what_a_pose_does_not_know_stays():
+    """An altimeter tells but the height, and a beacon but where along x."""
+    for axis in range(3):
+        found, chain = begun()
+        position = found._state[:3].copy()
+        covariance = np.eye(3) * HUGE
+        covariance[axis, axis] = 0.04
+        unknown = (HUGE, 0.0, 0.0, 0.0, HUGE, 0.0, 0.0, 0.0, HUGE)
+        variances = found._state[17 : 17 + 256].reshape(16, 16).diagonal()[:3].copy()
+        sample = pose(
+            (70.0, 80.0, 90.0), position_covariance=tuple(covariance.ravel()),
+            attitude_covariance=unknown,
+        )  # fmt: skip
+        assert not chain.push(AIDING_POSE, sample)
+        others = [i for i in range(3) if i != axis]
+        np.testing.assert_allclose(found._state[others], position[others], atol=0.05)
+        assert found._state[axis] == pytest.approx(70.0 + 10.0 * axis, abs=0.5)
+        after = found._state[17 : 17 + 256].reshape(16, 16).diagonal()[:3]
+        assert after[axis] == pytest.approx(0.04, rel=0.05)
+        np.testing.assert_allclose(after[others], variances[others], rtol=0.1)
+
+
+def test_a_pose_before_the_first_state_of_a_mounted_sensor_is_refused():
+    """Where it is from the origin shows but then; all later ones find the body there."""
+    found = navigator(look_ahead=0.3, minimum=0.2, window=0.2)
+    stage = navigator_stage(found, lambda _: Mounting(translation=(0.5, 0.2, -1.0)))
+    chain, refused, states = Chain([stage]), [], []
+    for index in range(260):
+        states += [v for n, v in chain.push(RAW, BLOCK.sample(index)) if n == ODOMETRY]
+        if found.aligned and len(states) < 3:  # it stands
+            sample = pose((4.0, 5.0, 6.0), stamp_ns=int(BLOCK.stamp_ns[index]))
+            said = faults(chain, AIDING_POSE, sample)
+            assert bool(said) is not bool(states)
+            refused += said
+    assert len(refused) > 50
+    assert 'before the first state' in refused[0]
+    placed = next(state for state in states if state.stamp_ns == sample.stamp_ns)
+    assert placed.position == pytest.approx((4.0, 5.0, 6.0), abs=0.01)
+
+
 def test_a_lever_arm_of_the_sensor_is_where_the_body_is_not():
     arm = (0.5, 0.2, -1.0)
     found, chain = begun(Mounting(translation=arm))
