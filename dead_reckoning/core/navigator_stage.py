@@ -116,10 +116,19 @@ class StrideOutputs:
         self._begun: object = None
 
     def of(self, states: Sequence[NavigationState]) -> list[Output]:
-        """Return what comes of the next states that the navigator gave."""
-        if self._smoother is None or not states:
+        """Return what comes of the next states that the navigator gave, or of none.
+
+        At a new start that is what was left of the way before.
+        """
+        if self._smoother is None:
             return []
-        return self._outputs(self._smoother.take(StateBlock.of(states)))
+        outputs: list[Output] = []
+        if self._navigator.strides is not self._begun:  # it counts anew from each start
+            outputs = self.end()
+            self._begun, self._path = self._navigator.strides, PathKeeper()
+        if states:
+            outputs += self._outputs(self._smoother.take(StateBlock.of(states)))
+        return outputs
 
     def of_block(self, states: StateBlock) -> list[Output]:
         """Return what comes of a block of them."""
@@ -133,9 +142,6 @@ class StrideOutputs:
         return [] if self._smoother is None else self._outputs(self._smoother.flush())
 
     def _outputs(self, blocks: Iterable[StateBlock]) -> list[Output]:
-        if self._navigator.strides is not self._begun:  # it counts anew from each start
-            self._begun = self._navigator.strides
-            self._path = PathKeeper()
         outputs: list[Output] = []
         for state in self._body.of_smoothed(blocks):
             outputs.append((SMOOTHED, state))
@@ -197,7 +203,7 @@ def navigator_stage(
     def take(imu: ImuSample) -> list[Output]:
         turned = body.turned(imu)
         restarts, aligned = navigator.restarts, navigator.aligned
-        outputs: list[Output] = []
+        outputs = strides.of(())
         try:
             if navigator.begins_anew(turned):
                 outputs += give(navigator.flush())
