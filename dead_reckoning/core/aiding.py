@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import sqrt
 
 from dead_reckoning.core.checks import is_covariance, require_vector
 from dead_reckoning.core.common import FrameSettings
@@ -31,6 +32,12 @@ from dead_reckoning.core.samples import (
 
 LONGEST_INTERVAL = 1.0
 """Time [s] that a refusal counts for at most."""
+
+SMALLEST_VARIANCE = 1e-12
+"""Variance [SI²] below which nothing is measured so well, and powers of its inverse overflow."""
+
+ROUNDING = 1e-14
+"""Part of a large variance below which a small one is lost when both are turned."""
 
 
 class Aiding:
@@ -153,7 +160,7 @@ class Aiding:
             mounting = self._mountings(frame_id)
             rot_bs = matrix_from_quaternion(mounting.rotation)
             velocity, arm = rotate(rot_bs, velocity), mounting.translation
-            covariance = rotate_covariance(rot_bs, covariance)
+            covariance = _turned(rot_bs, covariance)
         covariance = _askew(covariance, velocity, self._navigator.settings.aiding_angle)
         told = (
             what, who, self._interval(who, sample.stamp_ns), *velocity, *_half(covariance),
@@ -178,7 +185,7 @@ def _require(vector: Vector, covariance: Matrix, name: str) -> None:
     """Raise `SampleError` for a vector, or a covariance, shape (3, 3), of no measurement."""
     require_vector(vector, name, 'check where it comes from')
     xx, xy, xz, _, yy, yz, _, _, zz = covariance
-    if is_covariance(covariance) and min(xx, yy, zz) > 0.0:
+    if is_covariance(covariance) and min(xx, yy, zz) >= SMALLEST_VARIANCE:
         rest = yy - xy * xy / xx
         if rest > 0.0 and zz - xz * xz / xx - (yz - xy * xz / xx) ** 2 / rest > 0.0:
             return
@@ -186,6 +193,20 @@ def _require(vector: Vector, covariance: Matrix, name: str) -> None:
         f'the covariance of the {name} is {covariance}: each axis needs a variance above 0, 1e6 '
         'where it is not measured, and no correlation of 1'
     )
+
+
+def _turned(rot: Matrix, covariance: Matrix) -> Matrix:
+    """Turn a covariance of which some axes may not be measured, and others be known well.
+
+    What is not measured has `UNMEASURED_VARIANCE`, so that little is lost in its rounding, and
+    that little is added.
+    """
+    scale = [min(1.0, sqrt(UNMEASURED_VARIANCE / covariance[i])) for i in (0, 4, 8)]
+    a, b, c, d, e, f, g, h, i = (
+        x * scale[k // 3] * scale[k % 3] for k, x in enumerate(covariance)
+    )
+    lost = ROUNDING * (a + e + i)
+    return rotate_covariance(rot, (a + lost, b, c, d, e + lost, f, g, h, i + lost))
 
 
 def _askew(covariance: Matrix, velocity: Vector, angle: float) -> Matrix:

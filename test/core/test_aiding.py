@@ -1,6 +1,7 @@
 """Velocities and poses of other frames and points; what is refused, and why."""
 
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -249,6 +250,7 @@ ONE = (-1.0, *[0.0] * 8)
         (ONE, 'each axis needs a variance above 0'),
         ((1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0), 'no correlation of 1'),
         ((float('nan'), *SMALL[1:]), 'nan'),
+        ((1e-300, *SMALL[1:]), '1e-300'),
     ],
 )
 def test_a_velocity_without_a_covariance_is_refused(name, covariance, said):
@@ -257,6 +259,47 @@ def test_a_velocity_without_a_covariance_is_refused(name, covariance, said):
     (message,) = faults(chain, name, velocity((1.0, 0.0, 0.0), covariance=covariance))
     assert said in message
     np.testing.assert_array_equal(found._state, before)
+
+
+@pytest.mark.parametrize('variance', [1e-9, 1e-12])
+@pytest.mark.parametrize('unmeasured', [1e6, 1e12])
+def test_an_axis_that_is_not_measured_hides_no_other_one(variance, unmeasured):
+    """Turned, the small variance is less than the rounding of the large ones."""
+    for seed in range(20):
+        turn = Rotation.random(random_state=seed)
+        mountings = {'imu_link': Mounting(), 'wheel': Mounting(tuple(turn.as_quat()))}
+        found = navigator(aiding_gate=1e9)
+        aiding = Aiding(found, FrameSettings(mounting='tf'), mountings.__getitem__)
+        for index in range(130):
+            with suppress(NotLevelledError):
+                found.update(BLOCK.sample(index))
+        covariance = (variance, 0.0, 0.0, 0.0, unmeasured, 0.0, 0.0, 0.0, unmeasured)
+        told = velocity((0.5, 0.0, 0.0), 'wheel', covariance, int(BLOCK.stamp_ns[129]))
+        aiding.take_twist(told)
+        found.update(BLOCK.sample(130))
+        found.flush()
+        body = Rotation.from_quat(found._state[13:17])
+        along = (body * turn).inv().apply(found._state[3:6])
+        assert along[0] == pytest.approx(0.5, abs=0.1)
+        assert np.abs(along[1:]).max() < 0.2
+
+
+def test_what_is_measured_in_a_gap_is_not_taken_after_it():
+    """Neither as soon as the gap ends nor late: nobody knows how the body moved in it."""
+    for late in (False, True):
+        found, chain = begun(max_gap=0.2, aiding_delay=2.0)
+        gap_ns = 900_000_000
+        told = velocity((1.0, 0.0, 0.0), covariance=(1e-2, 0, 0, 0, 1e-2, 0, 0, 0, 1e-2))
+        told = replace(told, stamp_ns=int(BLOCK.stamp_ns[NOW - 1]) + 500_000_000)
+        if not late:
+            assert not chain.push(AIDING_TWIST, told)
+        for k in range(NOW, NOW + 40):
+            sample = BLOCK.sample(k)
+            chain.push(RAW, replace(sample, stamp_ns=sample.stamp_ns + gap_ns))
+        if late:
+            assert not chain.push(AIDING_TWIST, told)
+        counts = found.counts
+        assert (counts['aiding_twist'], counts['aiding_twist_refused']) == (0, 1)
 
 
 @pytest.mark.parametrize(

@@ -62,6 +62,9 @@ def follow_vector(aid: Array, rate: Vector, f: Filter) -> None:
     is wrong, by as much as can be seen.
     """
     state, rules, who = f.state, f.rules, int(aid[3])
+    if state[STEP] == 0.0 and aid[17] > 0.0:  # of a gap, after which nothing is as it was
+        state[COUNTS + AIDED + 2 * who + 1] += 1.0
+        return
     rows = np.zeros((3, ERRORS))
     since = aid[17] - 0.5 * rules[AVERAGING] * state[STEP]  # a mean shows the middle of its time
     y = _innovation(int(aid[2]), triple(aid[5:8]), triple(aid[14:17]), since, rate, f, rows)
