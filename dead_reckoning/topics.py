@@ -73,7 +73,7 @@ def topics(frames: FrameSettings) -> dict[str, Topic]:
             source='wheels, or whatever gives odometry',
         ),
         stages.AIDING_POSE: pose,
-        stages.SET_POSE: replace(pose, source='whoever sets the pose'),
+        stages.SET_POSE: replace(pose, source=''),  # it comes once, and silence is no fault
         stages.STATIONARY: Topic('std_msgs/msg/Bool', wire.encode_bool, latched=True),
         stages.STATISTIC: replace(number, latched=False),
         stages.THRESHOLD: replace(number, latched=False),

@@ -50,6 +50,9 @@ class Driven:
                 flow = [(FAULT, error)]
         self.collect(flow)
 
+    def push(self, name, sample):
+        self.collect(self.chain.push(name, sample))
+
     def service(self, call, *arguments):
         """Do what a node does: services and changed settings find the chain settled."""
         self.chain.settle()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import sqrt
 
 from dead_reckoning.core.checks import is_covariance, require_vector
 from dead_reckoning.core.common import FrameSettings
@@ -18,17 +19,25 @@ from dead_reckoning.core.rotation import (
     yaw_from_quaternion,
 )
 from dead_reckoning.core.samples import (
+    IDENTITY_QUATERNION,
     NANOSECONDS,
     UNMEASURED_VARIANCE,
     ZERO,
     Matrix,
     PoseSample,
+    Quaternion,
     Vector,
     VelocitySample,
 )
 
 LONGEST_INTERVAL = 1.0
 """Time [s] that a refusal counts for at most."""
+
+SMALLEST_VARIANCE = 1e-12
+"""Variance [SI²] below which nothing is measured so well, and powers of its inverse overflow."""
+
+ROUNDING = 1e-14
+"""Part of a large variance below which a small one is lost when both are turned."""
 
 
 class Aiding:
@@ -78,6 +87,7 @@ class Aiding:
         self._require_world(pose)
         _require(pose.position, pose.position_covariance, 'position')
         _require(ZERO, pose.attitude_covariance, 'orientation')
+        attitude, variance = _attitude(pose), pose.attitude_covariance[8]
         arm = settings.pose_lever_arm
         if self._placed is not navigator.strides:  # since the last start of the navigator
             self._place(pose, arm, _held(pose.attitude_covariance))
@@ -89,10 +99,8 @@ class Aiding:
             *_half(pose.position_covariance), *_difference(arm, self._lever_arm()),
         )  # fmt: skip
         navigator.follow(pose.stamp_ns, layout.VECTOR, told)
-        variance = pose.attitude_covariance[8]
         if variance < UNMEASURED_VARIANCE:
-            yaw = yaw_from_quaternion(normalized(pose.attitude))
-            patience = settings.aiding_patience
+            yaw, patience = yaw_from_quaternion(attitude), settings.aiding_patience
             told = (yaw, variance, interval, 0.0, patience, layout.BY_POSE_YAW)
             navigator.follow(pose.stamp_ns, layout.YAW, told)
 
@@ -128,7 +136,7 @@ class Aiding:
         told = (
             *_difference(pose.position, self._start()),
             *_half(position_covariance or pose.position_covariance),
-            *normalized(pose.attitude),
+            *_attitude(pose),
             *_half(attitude_covariance),
             *_difference(self._lever_arm(), arm),
         )
@@ -152,7 +160,7 @@ class Aiding:
             mounting = self._mountings(frame_id)
             rot_bs = matrix_from_quaternion(mounting.rotation)
             velocity, arm = rotate(rot_bs, velocity), mounting.translation
-            covariance = rotate_covariance(rot_bs, covariance)
+            covariance = _turned(rot_bs, covariance)
         covariance = _askew(covariance, velocity, self._navigator.settings.aiding_angle)
         told = (
             what, who, self._interval(who, sample.stamp_ns), *velocity, *_half(covariance),
@@ -177,7 +185,7 @@ def _require(vector: Vector, covariance: Matrix, name: str) -> None:
     """Raise `SampleError` for a vector, or a covariance, shape (3, 3), of no measurement."""
     require_vector(vector, name, 'check where it comes from')
     xx, xy, xz, _, yy, yz, _, _, zz = covariance
-    if is_covariance(covariance) and min(xx, yy, zz) > 0.0:
+    if is_covariance(covariance) and min(xx, yy, zz) >= SMALLEST_VARIANCE:
         rest = yy - xy * xy / xx
         if rest > 0.0 and zz - xz * xz / xx - (yz - xy * xz / xx) ** 2 / rest > 0.0:
             return
@@ -187,11 +195,32 @@ def _require(vector: Vector, covariance: Matrix, name: str) -> None:
     )
 
 
+def _turned(rot: Matrix, covariance: Matrix) -> Matrix:
+    """Turn a covariance of which some axes may not be measured, and others be known well.
+
+    What is not measured has `UNMEASURED_VARIANCE`, so that little is lost in its rounding, and
+    that little is added.
+    """
+    scale = [min(1.0, sqrt(UNMEASURED_VARIANCE / covariance[i])) for i in (0, 4, 8)]
+    a, b, c, d, e, f, g, h, i = (
+        x * scale[k // 3] * scale[k % 3] for k, x in enumerate(covariance)
+    )
+    lost = ROUNDING * (a + e + i)
+    return rotate_covariance(rot, (a + lost, b, c, d, e + lost, f, g, h, i + lost))
+
+
 def _askew(covariance: Matrix, velocity: Vector, angle: float) -> Matrix:
     """Add what axes that are askew by an angle, one sigma [rad], make of a velocity."""
     variance = angle**2 * sum(v * v for v in velocity)
     xx, xy, xz, yx, yy, yz, zx, zy, zz = covariance
     return (xx + variance, xy, xz, yx, yy + variance, yz, zx, zy, zz + variance)
+
+
+def _attitude(pose: PoseSample) -> Quaternion:
+    """Return the attitude of a pose; none, which many send, where the yaw is not measured."""
+    if pose.attitude_covariance[8] < UNMEASURED_VARIANCE:
+        return normalized(pose.attitude)
+    return IDENTITY_QUATERNION
 
 
 def _half(covariance: Matrix) -> tuple[float, ...]:

@@ -53,8 +53,12 @@ class BodyStates:
 
     @property
     def start(self) -> Vector:
-        """Where the sensor was at the last start."""
-        return self.starts[-1] if self.starts else ZERO
+        """Where the sensor was at this start; raises `NotLevelledError` before its first state."""
+        if self.mounting.translation == ZERO:
+            return ZERO
+        if self._navigator.strides is not self._begun:
+            raise NotLevelledError('a pose came before the first state: it is known then where to')
+        return self.starts[-1]
 
     def turned(self, imu: ImuSample) -> ImuSample:
         """Return a sample in the axes of the body; raises `MissingMountingError`."""
@@ -74,10 +78,10 @@ class BodyStates:
         return self.moved(state, self.starts[-1])
 
     def of_smoothed(self, blocks: Iterable[StateBlock]) -> Iterator[NavigationState]:
-        """Yield the states of the body for smoothed ones of the present start."""
+        """Yield the states of the body for smoothed ones of the last start."""
         for block in blocks:
             for k in range(len(block)):
-                yield self.moved(block.sample(k), self.start)
+                yield self.moved(block.sample(k), self.starts[-1] if self.starts else ZERO)
 
     def smoothed(self, blocks: Iterable[StateBlock]) -> Iterator[StateBlock]:
         """Yield the states of the body for those of a smoother, from the last to the first."""
@@ -112,10 +116,19 @@ class StrideOutputs:
         self._begun: object = None
 
     def of(self, states: Sequence[NavigationState]) -> list[Output]:
-        """Return what comes of the next states that the navigator gave."""
-        if self._smoother is None or not states:
+        """Return what comes of the next states that the navigator gave, or of none.
+
+        At a new start that is what was left of the way before.
+        """
+        if self._smoother is None:
             return []
-        return self._outputs(self._smoother.take(StateBlock.of(states)))
+        outputs: list[Output] = []
+        if self._navigator.strides is not self._begun:  # it counts anew from each start
+            outputs = self.end()
+            self._begun, self._path = self._navigator.strides, PathKeeper()
+        if states:
+            outputs += self._outputs(self._smoother.take(StateBlock.of(states)))
+        return outputs
 
     def of_block(self, states: StateBlock) -> list[Output]:
         """Return what comes of a block of them."""
@@ -129,9 +142,6 @@ class StrideOutputs:
         return [] if self._smoother is None else self._outputs(self._smoother.flush())
 
     def _outputs(self, blocks: Iterable[StateBlock]) -> list[Output]:
-        if self._navigator.strides is not self._begun:  # it counts anew from each start
-            self._begun = self._navigator.strides
-            self._path = PathKeeper()
         outputs: list[Output] = []
         for state in self._body.of_smoothed(blocks):
             outputs.append((SMOOTHED, state))
@@ -193,7 +203,7 @@ def navigator_stage(
     def take(imu: ImuSample) -> list[Output]:
         turned = body.turned(imu)
         restarts, aligned = navigator.restarts, navigator.aligned
-        outputs: list[Output] = []
+        outputs = strides.of(())
         try:
             if navigator.begins_anew(turned):
                 outputs += give(navigator.flush())

@@ -19,8 +19,11 @@ from dead_reckoning.core.samples import NANOSECONDS
 LONGEST_NS = 10 * NANOSECONDS
 """Without a stance for so long, what there is comes out."""
 
-LARGEST_LOG = 24
-"""Updates of one sample at most, over a stretch."""
+LARGEST_LOG = 16
+"""Updates of one sample at most, without what aids."""
+
+OF_AID = 3
+"""Updates of one aid at most."""
 
 
 class Smoother:
@@ -112,7 +115,6 @@ def smoothed(stretches: Iterable[Stretch], last_ns: int | None = None) -> Iterat
     ``last_ns`` is the stamp of the last sample that they know; of all where that is None.
     """
     trace = np.empty((STRETCH, layout.TRACE_ROW))
-    log = np.empty((LARGEST_LOG * STRETCH, layout.LOG_ROW))
     adjoint = np.zeros((layout.ERRORS, 1))
     information = np.zeros((layout.ERRORS, layout.ERRORS))
     for stretch in stretches:
@@ -122,6 +124,7 @@ def smoothed(stretches: Iterable[Stretch], last_ns: int | None = None) -> Iterat
             if rows <= stretch.first:
                 continue
         out = np.empty((rows, layout.STATE_ROW))
+        log = np.empty((LARGEST_LOG * rows + OF_AID * len(stretch.aids), layout.LOG_ROW))
         done = stretch.run(stretch.state.copy(), out, trace, log, rows)
         smooth(trace[:done], log, stretch.rules, adjoint, information, out[:done])
         if done:

@@ -64,9 +64,8 @@ class NavigatorChain(LiveChain):
         if brought == IRREGULAR:
             return None
         outputs: list[Output] = []
-        newest_ns = int(self._clock[layout.STAMP])
-        navigator._timeline._last_ns = newest_ns  # what aids it is early or late by that
-        stamp_ns = navigator.advance(newest_ns)
+        now_ns = navigator._timeline._last_ns = int(self._clock[layout.STAMP])  # what aids goes by
+        stamp_ns = navigator.advance(now_ns)
         if stamp_ns is not None:
             write(memory, navigator.out, stamp_ns)
             outputs = self._state(navigator.stationary)
@@ -76,4 +75,4 @@ class NavigatorChain(LiveChain):
         return outputs + self._steps.of(brought)
 
     def _leave(self, memory: Array, last_ns: int) -> None:
-        self._navigator._timeline._last_ns = last_ns
+        """Leave all where it is: the navigator was never behind."""

@@ -1,6 +1,7 @@
 """Velocities and poses of other frames and points; what is refused, and why."""
 
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -152,6 +153,67 @@ def test_a_pose_without_a_yaw_places_but_does_not_turn():
     assert found._state[0] == pytest.approx(100.0, abs=1.0)
 
 
+def test_a_pose_without_an_orientation_needs_none():
+    found, chain = begun()
+    unknown = (HUGE, 0.0, 0.0, 0.0, HUGE, 0.0, 0.0, 0.0, HUGE)
+    for k in range(2):  # the one that places, and one that is measured
+        sample = pose(
+            (100.0, 0.0, 0.0), attitude=(0.0,) * 4, attitude_covariance=unknown,
+            stamp_ns=STAMP + 5_000_000 * k,
+        )  # fmt: skip
+        assert not chain.push(AIDING_POSE, sample)
+    assert (found.counts['placed'], found.counts['aiding_pose']) == (1, 1)
+
+
+def test_a_measured_pose_is_taken_as_a_whole_or_not_at_all():
+    found, chain = begun()
+    assert not chain.push(AIDING_POSE, pose())
+    before = found._state.copy()
+    (message,) = faults(chain, AIDING_POSE, pose((1.0, 0.0, 0.0), attitude=(0.0,) * 4))
+    assert 'no rotation' in message
+    np.testing.assert_array_equal(found._state, before)
+
+
+def test_what_a_pose_does_not_know_stays():
+    """An altimeter tells but the height, and a beacon but where along x."""
+    for axis in range(3):
+        found, chain = begun()
+        position = found._state[:3].copy()
+        covariance = np.eye(3) * HUGE
+        covariance[axis, axis] = 0.04
+        unknown = (HUGE, 0.0, 0.0, 0.0, HUGE, 0.0, 0.0, 0.0, HUGE)
+        variances = found._state[17 : 17 + 256].reshape(16, 16).diagonal()[:3].copy()
+        sample = pose(
+            (70.0, 80.0, 90.0), position_covariance=tuple(covariance.ravel()),
+            attitude_covariance=unknown,
+        )  # fmt: skip
+        assert not chain.push(AIDING_POSE, sample)
+        others = [i for i in range(3) if i != axis]
+        np.testing.assert_allclose(found._state[others], position[others], atol=0.05)
+        assert found._state[axis] == pytest.approx(70.0 + 10.0 * axis, abs=0.5)
+        after = found._state[17 : 17 + 256].reshape(16, 16).diagonal()[:3]
+        assert after[axis] == pytest.approx(0.04, rel=0.05)
+        np.testing.assert_allclose(after[others], variances[others], rtol=0.1)
+
+
+def test_a_pose_before_the_first_state_of_a_mounted_sensor_is_refused():
+    """Where it is from the origin shows but then; all later ones find the body there."""
+    found = navigator(look_ahead=0.3, minimum=0.2, window=0.2)
+    stage = navigator_stage(found, lambda _: Mounting(translation=(0.5, 0.2, -1.0)))
+    chain, refused, states = Chain([stage]), [], []
+    for index in range(260):
+        states += [v for n, v in chain.push(RAW, BLOCK.sample(index)) if n == ODOMETRY]
+        if found.aligned and len(states) < 3:  # it stands
+            sample = pose((4.0, 5.0, 6.0), stamp_ns=int(BLOCK.stamp_ns[index]))
+            said = faults(chain, AIDING_POSE, sample)
+            assert bool(said) is not bool(states)
+            refused += said
+    assert len(refused) > 50
+    assert 'before the first state' in refused[0]
+    placed = next(state for state in states if state.stamp_ns == sample.stamp_ns)
+    assert placed.position == pytest.approx((4.0, 5.0, 6.0), abs=0.01)
+
+
 def test_a_lever_arm_of_the_sensor_is_where_the_body_is_not():
     arm = (0.5, 0.2, -1.0)
     found, chain = begun(Mounting(translation=arm))
@@ -188,6 +250,7 @@ ONE = (-1.0, *[0.0] * 8)
         (ONE, 'each axis needs a variance above 0'),
         ((1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0), 'no correlation of 1'),
         ((float('nan'), *SMALL[1:]), 'nan'),
+        ((1e-300, *SMALL[1:]), '1e-300'),
     ],
 )
 def test_a_velocity_without_a_covariance_is_refused(name, covariance, said):
@@ -196,6 +259,47 @@ def test_a_velocity_without_a_covariance_is_refused(name, covariance, said):
     (message,) = faults(chain, name, velocity((1.0, 0.0, 0.0), covariance=covariance))
     assert said in message
     np.testing.assert_array_equal(found._state, before)
+
+
+@pytest.mark.parametrize('variance', [1e-9, 1e-12])
+@pytest.mark.parametrize('unmeasured', [1e6, 1e12])
+def test_an_axis_that_is_not_measured_hides_no_other_one(variance, unmeasured):
+    """Turned, the small variance is less than the rounding of the large ones."""
+    for seed in range(20):
+        turn = Rotation.random(random_state=seed)
+        mountings = {'imu_link': Mounting(), 'wheel': Mounting(tuple(turn.as_quat()))}
+        found = navigator(aiding_gate=1e9)
+        aiding = Aiding(found, FrameSettings(mounting='tf'), mountings.__getitem__)
+        for index in range(130):
+            with suppress(NotLevelledError):
+                found.update(BLOCK.sample(index))
+        covariance = (variance, 0.0, 0.0, 0.0, unmeasured, 0.0, 0.0, 0.0, unmeasured)
+        told = velocity((0.5, 0.0, 0.0), 'wheel', covariance, int(BLOCK.stamp_ns[129]))
+        aiding.take_twist(told)
+        found.update(BLOCK.sample(130))
+        found.flush()
+        body = Rotation.from_quat(found._state[13:17])
+        along = (body * turn).inv().apply(found._state[3:6])
+        assert along[0] == pytest.approx(0.5, abs=0.1)
+        assert np.abs(along[1:]).max() < 0.2
+
+
+def test_what_is_measured_in_a_gap_is_not_taken_after_it():
+    """Neither as soon as the gap ends nor late: nobody knows how the body moved in it."""
+    for late in (False, True):
+        found, chain = begun(max_gap=0.2, aiding_delay=2.0)
+        gap_ns = 900_000_000
+        told = velocity((1.0, 0.0, 0.0), covariance=(1e-2, 0, 0, 0, 1e-2, 0, 0, 0, 1e-2))
+        told = replace(told, stamp_ns=int(BLOCK.stamp_ns[NOW - 1]) + 500_000_000)
+        if not late:
+            assert not chain.push(AIDING_TWIST, told)
+        for k in range(NOW, NOW + 40):
+            sample = BLOCK.sample(k)
+            chain.push(RAW, replace(sample, stamp_ns=sample.stamp_ns + gap_ns))
+        if late:
+            assert not chain.push(AIDING_TWIST, told)
+        counts = found.counts
+        assert (counts['aiding_twist'], counts['aiding_twist_refused']) == (0, 1)
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,16 @@ from dead_reckoning.core.navigator_stage import navigator_stage
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import matrix_from_quaternion, quaternion_from_euler
 from dead_reckoning.core.samples import UNKNOWN
-from dead_reckoning.core.stages import IMU, ODOMETRY, RAW, STATIONARY, STATISTIC, THRESHOLD
+from dead_reckoning.core.stages import (
+    IMU,
+    ODOMETRY,
+    PATH,
+    RAW,
+    SMOOTHED,
+    STATIONARY,
+    STATISTIC,
+    THRESHOLD,
+)
 
 TURN = quaternion_from_euler(0.4, -0.7, 2.1)
 MOUNTED = np.reshape(matrix_from_quaternion(TURN), (3, 3))
@@ -234,3 +243,48 @@ def test_a_restart_loses_no_state(strides):
     assert sum(isinstance(error, RestartError) for error in found[FAULT]) == 1
     first, second = np.array([s.position for s in found[ODOMETRY]]).reshape(2, 800, 3)
     np.testing.assert_allclose(second, first, atol=1e-9)
+
+
+@pytest.mark.parametrize('again', ['reset', 'restart', 'gap', 'level'])
+@pytest.mark.parametrize('blocks', [False, True])
+def test_each_odometry_comes_smoothed_once_whatever_happens(strides, again, blocks):
+    """And of a mounted sensor, the smoothed states of the body begin at the origin, too."""
+    mounting = Mounting(TURN, LEVER_ARM)
+    found = navigator(smoothing=True)
+    make = navigator_block_stage if blocks else navigator_stage
+    chain = Chain([make(found, lambda _: Mounting() if blocks else mounting)])
+    block = strides.block()
+    shift_ns = {'restart': -3600, 'gap': 30}.get(again, 9) * 1_000_000_000
+    later = replace(block, stamp_ns=block.stamp_ns + shift_ns)
+    given = {ODOMETRY: [], SMOOTHED: [], PATH: []}
+
+    def take(outputs):
+        for name, value in outputs:
+            if name in given:
+                given[name] += (
+                    [value]
+                    if not blocks or name == PATH
+                    else [value.sample(k) for k in range(len(value))]
+                )
+
+    for part, end in ((block, 700), (later, len(block))):
+        for begin in range(0, end, 50):
+            if blocks:
+                take(chain.push(RAW, part.part(begin, min(begin + 50, end))))
+            else:
+                for k in range(begin, min(begin + 50, end)):
+                    take(chain.push(RAW, part.sample(k)))
+        if again == 'reset' and part is block:
+            found.reset()
+        if again == 'level' and part is block:
+            found.level()
+    take(chain.end())
+    assert len(given[ODOMETRY]) > 1200
+    stamps = [[state.stamp_ns for state in given[name]] for name in (ODOMETRY, SMOOTHED)]
+    assert stamps[0] == stamps[1]
+    if again in ('reset', 'restart'):
+        begun = [k for k in range(1, len(stamps[0])) if abs(stamps[0][k] - stamps[0][k - 1]) > 2e9]
+        assert len(begun) == 1
+        for k in (0, begun[0]):
+            np.testing.assert_allclose(given[SMOOTHED][k].position, (0.0, 0.0, 0.0), atol=0.01)
+    assert len(given[PATH]) >= 4

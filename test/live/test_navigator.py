@@ -1,6 +1,7 @@
 """The navigator on messages: what kernels make of them is what the stream makes of them."""
 
 import dataclasses
+from contextlib import suppress
 from itertools import pairwise
 
 import numpy as np
@@ -12,17 +13,23 @@ from simulated_walks import START_NS, measured, walk
 from dead_reckoning import wire
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.chain import FAULT, NOTICE
+from dead_reckoning.core.errors import WireError
 from dead_reckoning.core.kernels import columns, headings, live, messages, resampler
 from dead_reckoning.core.kernels.navigation import filter as navigation
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import quaternion_from_euler
+from dead_reckoning.core.samples import PoseSample, VelocitySample
 from dead_reckoning.core.smoother import Smoother
 from dead_reckoning.core.stages import (
+    AIDING_ODOMETRY,
+    AIDING_POSE,
+    AIDING_TWIST,
     COMPASS,
     IMU,
     ODOMETRY,
     RAW,
+    SET_POSE,
     STATIONARY,
     STEPS,
 )
@@ -60,6 +67,8 @@ CHAINS = {
         'navigator.look_ahead': 0.0,
     },
 }
+
+WIDE = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 NOT_SUITED = {
     'turned sensor': {'frames.mounting_rotation': [0.0, 0.1, 1.0]},
@@ -181,6 +190,31 @@ def test_a_compass_comes_in_between(kind):
     faults = {type(value).__name__ for name, value in found.outputs if name == FAULT}
     assert 'StaleCompassError' in faults
     assert found.pipeline.navigator.counts['compass'] > 50
+    assert_same(found.outputs, expected.outputs)
+
+
+@pytest.mark.parametrize('kind', ['late', 'at once', 'pedometer'])
+def test_what_aids_comes_in_between(kind):
+    """Early, late, too late or far ahead: it is taken or refused by the stamp of the last Imu."""
+    random = np.random.default_rng(7)
+    happens = []
+    for call, *given in traffic(CHAINS[kind], 7, odd=0.0, services=(reset, level)):
+        happens.append((call, *given))
+        if call == 'message' and given[0] == RAW and random.random() < 0.1:
+            with suppress(WireError):
+                late = random.choice([-1.5, -0.02, 0.0, 0.003, 0.05, 0.4, 0.7])
+                stamp_ns = wire.decode_imu(given[1]).stamp_ns - round(late * 1e9)
+                velocity = VelocitySample(stamp_ns, 'odom', (1.0, 0.1, 0.0), WIDE)
+                pose = PoseSample(stamp_ns, '', (1.0, 2.0, 0.0), WIDE, (0.0, 0.0, 0.0, 1.0), WIDE)
+                name = random.choice([AIDING_TWIST, AIDING_ODOMETRY, AIDING_POSE, SET_POSE])
+                sample = velocity if name in (AIDING_TWIST, AIDING_ODOMETRY) else pose
+                if name == SET_POSE and random.random() < 0.5:
+                    sample = dataclasses.replace(pose, stamp_ns=0)
+                happens.append(('push', str(name), sample))
+    found, expected = driven(CHAINS[kind], happens), driven(CHAINS[kind], happens, ready=False)
+    assert found.chain.taken > 0.3 * len(happens)
+    counts = found.pipeline.navigator.counts
+    assert min(counts['placed'], counts['aiding_twist'], counts['aiding_odom']) > 3
     assert_same(found.outputs, expected.outputs)
 
 

@@ -117,7 +117,7 @@ class History:
         ):
             waiting = int(state[layout.WAITING])
             late = last.stamps[len(last.stamps) - waiting :] if last and waiting else []
-            first = int(rules[layout.DELAY]) - waiting
+            first = int(rules[layout.DELAY]) - len(late)  # those that nobody kept have no stamp
             last = Stretch(state.copy(), rules, begins, late, first)
             self.stretches.append(last)
         last.add(samples, verdicts, aids, stamps)

@@ -10,6 +10,7 @@ from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.errors import AidingError, NotLevelledError
 from dead_reckoning.core.kernels.navigation import layout
 from dead_reckoning.core.navigation.history import STRETCH
+from dead_reckoning.core.smoother import Smoother
 
 WALK = measured(walk(strides=4, turn=0.4, mounted=np.eye(3)), 1)
 BLOCK = WALK.block()
@@ -106,6 +107,44 @@ def test_the_first_ones_are_taken_though_nothing_was_kept_yet():
     for index in range(400, 420):
         found.update(BLOCK.sample(index))
     assert found._state[TAKEN : TAKEN + 2].sum() == 2.0
+
+
+@pytest.mark.parametrize('index', [396, 405, 415])
+def test_what_is_kept_from_somewhere_on_is_gone_through_as_it_was(index):
+    ends = []
+    for since in (0, 400):
+        found = navigator()
+        for k in range(420):
+            if k == since:
+                found.keep()
+            with suppress(NotLevelledError):
+                found.update(BLOCK.sample(k))
+        found.follow(int(BLOCK.stamp_ns[index]), layout.VECTOR, velocity(index))
+        for k in range(420, 440):
+            found.update(BLOCK.sample(k))
+        found._state[layout.LOGGED] = 0.0
+        ends.append(found._state)
+    if index < 400:  # one of the samples that waited then
+        np.testing.assert_allclose(ends[1][:17], ends[0][:17], atol=5e-3)
+    else:
+        np.testing.assert_array_equal(*ends)
+
+
+def test_however_many_there_are_of_a_sample_it_can_be_smoothed():
+    """So many with one variance are one with that part of it."""
+    ends, count = [], 2000
+    for times in (1, count):
+        found = navigator(aiding_gate=1e9)
+        record = Smoother(found)
+        for index in range(400):
+            with suppress(NotLevelledError):
+                found.update(BLOCK.sample(index))
+        told = velocity(370, 0.05 * np.sqrt(times))
+        for _ in range(times):
+            found.follow(int(BLOCK.stamp_ns[370]), layout.VECTOR, told)
+        ends.append(StateBlock.join(list(record.blocks())[::-1]))
+    np.testing.assert_allclose(ends[1].position, ends[0].position, atol=1e-7)
+    np.testing.assert_allclose(ends[1].velocity, ends[0].velocity, atol=1e-6)
 
 
 def test_a_restart_forgets_what_was_before():

@@ -107,6 +107,9 @@ def follow_yaw(aid: Array, rate: Vector, f: Filter) -> None:
     level_part = x * x + y * y
     if level_part < UPRIGHT:
         return
+    if state[STEP] == 0.0 and age > 0.0:  # of a gap, after which nothing is as it was
+        state[COUNTS + AIDED + 2 * who + 1] += 1.0
+        return
     h[ATTITUDE], h[ATTITUDE + 1], h[ATTITUDE + 2] = -z * x / level_part, -z * y / level_part, 1.0
     wx, wy, wz = rotate(rot_ws, added(rate, triple(state[X_RATE_BIAS : X_RATE_BIAS + 3]), -1.0))
     since = age - 0.5 * f.rules[AVERAGING] * state[STEP]  # a mean shows the middle of its time

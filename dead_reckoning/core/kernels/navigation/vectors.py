@@ -62,6 +62,9 @@ def follow_vector(aid: Array, rate: Vector, f: Filter) -> None:
     is wrong, by as much as can be seen.
     """
     state, rules, who = f.state, f.rules, int(aid[3])
+    if state[STEP] == 0.0 and aid[17] > 0.0:  # of a gap, after which nothing is as it was
+        state[COUNTS + AIDED + 2 * who + 1] += 1.0
+        return
     rows = np.zeros((3, ERRORS))
     since = aid[17] - 0.5 * rules[AVERAGING] * state[STEP]  # a mean shows the middle of its time
     y = _innovation(int(aid[2]), triple(aid[5:8]), triple(aid[14:17]), since, rate, f, rows)
@@ -182,13 +185,13 @@ def place(aid: Array, f: Filter) -> None:
         velocity = rotate(matrix_from_quaternion(attitude_of(state)), along)
         put(state[X_VELOCITY : X_VELOCITY + 3], velocity)
         f.h[ATTITUDE] = f.h[ATTITUDE + 1] = 1.0
-    x, y, z = rotate(matrix_from_quaternion(attitude_of(state)), triple(aid[21:24]))
-    state[X_POSITION], state[X_POSITION + 1] = aid[2] + x, aid[3] + y
-    f.h[POSITION] = f.h[POSITION + 1] = 1.0
-    if aid[10] < UNMEASURED_VARIANCE:
-        state[X_POSITION + 2] = aid[4] + z
-        f.h[POSITION + 2] = f.h[FLOOR] = 1.0
-        state[FLOOR_KNOWN] = 0.0
+    away = rotate(matrix_from_quaternion(attitude_of(state)), triple(aid[21:24]))
+    for i, variance in enumerate((aid[5], aid[8], aid[10])):
+        if variance < UNMEASURED_VARIANCE:
+            state[X_POSITION + i] = aid[2 + i] + away[i]
+            f.h[POSITION + i] = 1.0
+            state[FLOOR_KNOWN] = 0.0  # another place may have another one
+    f.h[FLOOR] = f.h[POSITION + 2]
     marks = (f.h[0], f.h[1], f.h[2]), (f.h[ATTITUDE], f.h[ATTITUDE + 1], f.h[ATTITUDE + 2])
     forget(f)
     _put_half(f.p, POSITION, aid[5:11], marks[0])
