@@ -77,11 +77,11 @@ class BodyStates:
             )
         return self.moved(state, self.starts[-1])
 
-    def of_smoothed(self, blocks: Iterable[StateBlock]) -> Iterator[NavigationState]:
+    def of_smoothed(self, block: StateBlock) -> Iterator[NavigationState]:
         """Yield the states of the body for smoothed ones of the last start."""
-        for block in blocks:
-            for k in range(len(block)):
-                yield self.moved(block.sample(k), self.starts[-1] if self.starts else ZERO)
+        start_w = self.starts[-1] if self.starts else ZERO
+        for k in range(len(block)):
+            yield self.moved(block.sample(k), start_w)
 
     def smoothed(self, blocks: Iterable[StateBlock]) -> Iterator[StateBlock]:
         """Yield the states of the body for those of a smoother, from the last to the first."""
@@ -143,9 +143,11 @@ class StrideOutputs:
 
     def _outputs(self, blocks: Iterable[StateBlock]) -> list[Output]:
         outputs: list[Output] = []
-        for state in self._body.of_smoothed(blocks):
-            outputs.append((SMOOTHED, state))
-            path = self._path.take(state)
+        for block in blocks:
+            for state in self._body.of_smoothed(block):
+                outputs.append((SMOOTHED, state))
+                self._path.take(state)
+            path = self._path.path()
             if path is not None:
                 outputs.append((PATH, path))
         return outputs

@@ -40,11 +40,13 @@ class PathKeeper:
     def __init__(self) -> None:
         self._poses: list[Pose] = []
         self._spacing = SPACING
+        self._last_ns = 0
         self._given_ns: int | None = None
         self._new = False
 
-    def take(self, state: NavigationState) -> Path | None:
-        """Take the next state; return the path, at most once a second, where it has grown."""
+    def take(self, state: NavigationState) -> None:
+        """Take the next state."""
+        self._last_ns = state.stamp_ns
         poses = self._poses
         if not poses or dist(poses[-1][1], state.position) >= self._spacing:
             poses.append((state.stamp_ns, state.position, state.attitude))
@@ -52,8 +54,11 @@ class PathKeeper:
             if len(poses) > MOST:
                 del poses[1::2]
                 self._spacing *= 2.0
+
+    def path(self) -> Path | None:
+        """Return the path up to the last state, at most once a second, where it has grown."""
         given_ns = self._given_ns
-        if not self._new or (given_ns is not None and state.stamp_ns - given_ns < PERIOD_NS):
+        if not self._new or (given_ns is not None and self._last_ns - given_ns < PERIOD_NS):
             return None
-        self._given_ns, self._new = state.stamp_ns, False
-        return Path(tuple(poses))
+        self._given_ns, self._new = self._last_ns, False
+        return Path(tuple(self._poses))

@@ -18,7 +18,7 @@ from dead_reckoning.core.errors import AidingError, NotFiniteError, NotLevelledE
 from dead_reckoning.core.mounting import Mounting
 from dead_reckoning.core.navigator_stage import navigator_stage
 from dead_reckoning.core.rotation import quaternion_from_euler
-from dead_reckoning.core.samples import UNKNOWN, PoseSample, VelocitySample
+from dead_reckoning.core.samples import UNKNOWN, ImuSample, PoseSample, VelocitySample
 from dead_reckoning.core.stages import (
     AIDING_ODOMETRY,
     AIDING_POSE,
@@ -212,6 +212,33 @@ def test_a_pose_before_the_first_state_of_a_mounted_sensor_is_refused():
     assert 'before the first state' in refused[0]
     placed = next(state for state in states if state.stamp_ns == sample.stamp_ns)
     assert placed.position == pytest.approx((4.0, 5.0, 6.0), abs=0.01)
+
+
+def test_a_yaw_that_is_set_with_its_variance_comes_right_with_a_velocity_of_the_world():
+    """The body sets out along 40° of the world, and takes that for 0."""
+    found, yaw, speed = navigator(zero_velocity=False), np.radians(40.0), 0.0
+    aiding = Aiding(found)
+    unknown = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, HUGE)
+    covariance = tuple(np.diag([1e-2] * 3).ravel())
+    for k in range(2000):
+        stamp_ns, push = 1_000_000_000 + k * 10_000_000, 1.0 if 500 < k < 1000 else 0.0
+        speed += 0.01 * push
+        with suppress(NotLevelledError):
+            found.update(
+                ImuSample(stamp_ns, '', (push, 0.0, 9.81), angular_velocity=(0.0, 0.0, 0.0))
+            )
+        if k == 300:
+            of_yaw = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5)
+            aiding.set_pose(
+                pose(stamp_ns=0, position_covariance=unknown, attitude_covariance=of_yaw)
+            )
+        if k > 300 and k % 100 == 0:
+            along = (speed * np.cos(yaw), speed * np.sin(yaw), 0.0)
+            aiding.take_twist(velocity(along, 'odom', covariance, stamp_ns))
+    assert not found.counts['aiding_twist_refused']
+    sigma = np.sqrt(found._state[17 : 17 + 256].reshape(16, 16)[8, 8])
+    error = Rotation.from_quat(found._state[13:17]).as_euler('zyx')[0] - yaw
+    assert abs(error) < 2.0 * sigma < np.radians(10.0)
 
 
 def test_a_lever_arm_of_the_sensor_is_where_the_body_is_not():

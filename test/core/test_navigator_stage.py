@@ -288,3 +288,6 @@ def test_each_odometry_comes_smoothed_once_whatever_happens(strides, again, bloc
         for k in (0, begun[0]):
             np.testing.assert_allclose(given[SMOOTHED][k].position, (0.0, 0.0, 0.0), atol=0.01)
     assert len(given[PATH]) >= 4
+    if not blocks:  # with each stride, to its end
+        end = given[PATH][-1].poses[-1][1]
+        assert np.linalg.norm(np.subtract(end, given[SMOOTHED][-1].position)) < 0.1

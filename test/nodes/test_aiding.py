@@ -143,6 +143,7 @@ def test_switches_refusals_and_set_pose(ros):
     walker = Walker(ros)
     walker.walk(200)
     walker.send(AIDING_TWIST, twist(at(150), LEVEL_WALK.velocity[150]))
+    walker.ros.for_seconds(0.2)  # nothing is kept yet: it is taken with the next sample
     walker.walk(5)
     walker.all_taken('aiding_twist', 1)
     (result,) = ros.set('inertial_navigator', navigator__aiding_twist=False)

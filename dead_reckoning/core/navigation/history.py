@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from bisect import bisect_left
 from collections import deque
 from collections.abc import Sequence
@@ -34,7 +35,7 @@ class Stretch:
     state: Array
     rules: Array
     begins: bool
-    stamps: list[int]
+    stamps: array[int]
     first: int
     """Row that filters the first of the stamps."""
     count: int = 0
@@ -57,7 +58,7 @@ class Stretch:
         end = self.count + len(samples)
         self.samples[self.count : end] = samples
         self.verdicts[self.count : end] = verdicts
-        self.stamps += stamps.tolist()
+        self.stamps.frombytes(stamps.tobytes())
         self.count = end
         self.closed = len(stamps) < len(samples)
 
@@ -116,7 +117,7 @@ class History:
             or last.count + len(samples) > STRETCH
         ):
             waiting = int(state[layout.WAITING])
-            late = last.stamps[len(last.stamps) - waiting :] if last and waiting else []
+            late = last.stamps[len(last.stamps) - waiting :] if last and waiting else array('q')
             first = int(rules[layout.DELAY]) - len(late)  # those that nobody kept have no stamp
             last = Stretch(state.copy(), rules, begins, late, first)
             self.stretches.append(last)
