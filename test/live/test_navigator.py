@@ -17,8 +17,10 @@ from dead_reckoning.core.kernels.navigation import filter as navigation
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import quaternion_from_euler
+from dead_reckoning.core.samples import VelocitySample
 from dead_reckoning.core.smoother import Smoother
 from dead_reckoning.core.stages import (
+    AIDING_TWIST,
     COMPASS,
     IMU,
     ODOMETRY,
@@ -182,6 +184,22 @@ def test_a_compass_comes_in_between(kind):
     assert 'StaleCompassError' in faults
     assert found.pipeline.navigator.counts['compass'] > 50
     assert_same(found.outputs, expected.outputs)
+
+
+def test_a_measurement_is_late_by_the_newest_message():
+    """However long nobody asked for the state of the estimators."""
+    messages = [('message', RAW, wire.encode_imu(sample)) for sample in imus(NAVIGATOR, 1)]
+    told = []
+    for ready in (True, False):
+        found = driven(NAVIGATOR, messages, ready)
+        newest_ns = found.pipeline.navigator.newest_ns
+        assert newest_ns == imus(NAVIGATOR, 1)[-1].stamp_ns
+        covariance = (1e-2, 0.0, 0.0, 0.0, 1e-2, 0.0, 0.0, 0.0, 1e-2)
+        late = VelocitySample(newest_ns - 10**9, '', (0.0, 0.0, 0.0), covariance)
+        ((name, error),) = found.chain.push(AIDING_TWIST, late)
+        told.append((name, str(error)))
+    assert told[0] == told[1] == (FAULT, str(error))
+    assert 'its stamp is 1.000 s behind the Imu' in told[0][1]
 
 
 def test_what_is_recorded_can_be_smoothed():
