@@ -1,22 +1,28 @@
 """A foot's recording through the navigator: causal and smoothed states, strides, the report."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 from replay_recordings import without_covariance, write_bag, write_table
 from rosbags.rosbag2 import Reader
 from simulated_walks import measured, navigator, streamed, walk
 
+from dead_reckoning import wire
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.compass import Compass, CompassSettings
 from dead_reckoning.core.errors import InputError
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import yaw_from_quaternion
+from dead_reckoning.core.samples import IDENTITY_QUATERNION, UNKNOWN, ZERO, NavigationState
 from dead_reckoning.core.smoother import Smoother
 from dead_reckoning.core.stages import COMPASS, ODOMETRY, RAW
+from dead_reckoning.sources.bags import BagWriter
 from dead_reckoning.tables import ODOMETRY_COLUMNS, odometry_row
+from dead_reckoning.tools.main import main
 from dead_reckoning.tools.replay.run import Job, run
 
 NAVIGATOR = {'pipeline.estimators': ('inertial_navigator',)}
@@ -60,6 +66,36 @@ def smoothed(taken):
     smoother = Smoother(filtered)
     states = streamed(filtered, taken)
     return states, StateBlock.join(list(smoother.blocks())[::-1]), filtered.strides
+
+
+def test_aiding_of_a_bag_is_taken_and_its_faults_are_counted(tmp_path, capsys, foot):
+    """The foot says it moves at the speed that wheels of the recording say."""
+    wheels = '/wheels/odom'
+    types = {'/imu/data_raw': ('sensor_msgs/msg/Imu', False), wheels: ('nav_msgs/msg/Odometry', 0)}
+    writer = BagWriter(tmp_path / 'walk', types)
+    encode = wire.odometry_encoder('odom', 'base_link')
+    variances = (1e-4, 0.0, 0.0, 0.0, 1e-4, 0.0, 0.0, 0.0, 1e-4)
+    for k, sample in enumerate(samples(foot)[:600]):
+        writer.write('/imu/data_raw', k, wire.encode_imu(sample))
+        if k >= 400 and k % 20 == 0:
+            told = NavigationState(sample.stamp_ns, ZERO, (0.3, 0.0, 0.0), IDENTITY_QUATERNION)
+            told = replace(told, velocity_covariance=UNKNOWN if k < 500 else variances)
+            writer.write(wheels, k, encode(told))
+    writer.close()
+    config = tmp_path / 'config.yaml'
+    settings = {'pipeline.estimators': ['inertial_navigator'], 'navigator.aiding_patience': 0.0}
+    config.write_text(yaml.safe_dump({'/**': {'ros__parameters': settings}}))
+    ends = []
+    for number, remap in enumerate(([], ['-r', f'aiding/odom:={wheels}'])):
+        out = tmp_path / str(number)
+        arguments = [str(tmp_path / 'walk'), '--config', str(config), '--output', str(out)]
+        assert main(['replay', *arguments, '--outputs', 'summary', *remap]) == 0
+        summary = json.loads((out / 'summary.json').read_text())
+        assert summary['samples'] == 600
+        assert summary['dropped'].get('AidingError', 0) == (5 if remap else 0)
+        ends.append(summary['end_position_m'])
+    assert '5 × AidingError: the covariance of the velocity is' in capsys.readouterr().err
+    assert np.linalg.norm(np.subtract(*ends)) > 0.01
 
 
 def test_causal_and_smoothed_states_and_strides(tmp_path, foot):
