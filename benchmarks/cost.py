@@ -57,8 +57,14 @@ PIPELINES: dict[str, dict[str, Any]] = {
         **NAVIGATOR,
         'pipeline.estimators': ['inertial_navigator', 'pedometer'],
     },
+    'pipeline, inertial navigator, smoothing': {
+        **NAVIGATOR,
+        'pipeline.estimators': ['inertial_navigator'],
+        'navigator.smoothing': True,  # odom_smoothed and path
+    },
 }
-HELD_TO_TARGETS = tuple(name for name in PIPELINES if name != 'pipeline, kalman')
+NOT_COMPILED = ('pipeline, kalman', 'pipeline, inertial navigator, smoothing')
+HELD_TO_TARGETS = tuple(name for name in PIPELINES if name not in NOT_COMPILED)
 
 ORDINARY, LEAN = 'ordinary relay', 'lean relay'
 RELAYS = {ORDINARY: 'typed', LEAN: 'lean'}

@@ -297,7 +297,7 @@ def _draw(path: Path, drive: Walk) -> Path:
     figure.set_size_inches(12.0, 6.5)
     drawn = measured(drive, 0, **{**SENSOR, 'scale': 0.0})
     turn = Rotation.from_rotvec(np.random.default_rng(0).normal(0.0, OFF))
-    for (name, aid), colour in zip(AIDS.items(), pictures.COLOURS, strict=True):
+    for (name, aid), colour in zip(AIDS.items(), pictures.COLOURS, strict=False):
         states = _navigated(drawn, TOLD, turn, aid, np.random.default_rng(1))
         time = drawn.time[-len(states) :]
         sigma = np.degrees(np.sqrt(states.attitude_covariance[:, [0, 4, 8]]))
