@@ -173,7 +173,9 @@ def test_the_command_measures_what_is_there(tmp_path, domain_id):
     assert drive['aided_equal_to_direct_chain']
     aided = drive['aided']['vehicle.yaml, aided']
     assert aided['taken'] > 500 > 5 > aided['refused']
-    assert aided['way_m'] == pytest.approx(drive['drive']['wheel_distance_m'], rel=0.02)
+    # The last samples wait for 0.3 s more, as `navigator.look_ahead` of the preset has it, at 2 m/s.
+    way = drive['drive']['wheel_distance_m'] - 0.3 * 2.0
+    assert aided['way_m'] == pytest.approx(way, rel=0.01)
     assert drive['drift']['against the wheels']['2 s']['median_m'] < 0.02
     assert drive['drive']['integrated_distance_m'] == pytest.approx(
         drive['drive']['wheel_distance_m'], rel=0.05
