@@ -173,7 +173,7 @@ def test_the_command_measures_what_is_there(tmp_path, domain_id):
     assert drive['aided_equal_to_direct_chain']
     aided = drive['aided']['vehicle.yaml, aided']
     assert aided['taken'] > 500 > 5 > aided['refused']
-    # The last samples wait for 0.3 s more, as `navigator.look_ahead` of the preset has it, at 2 m/s.
+    # The last samples wait: navigator.look_ahead of the preset is 0.3 s, at 2 m/s.
     way = drive['drive']['wheel_distance_m'] - 0.3 * 2.0
     assert aided['way_m'] == pytest.approx(way, rel=0.01)
     assert drive['drift']['against the wheels']['2 s']['median_m'] < 0.02
