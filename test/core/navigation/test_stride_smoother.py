@@ -91,7 +91,7 @@ def test_height_is_known_better_and_nothing_worse_on_average():
 
 
 def test_without_a_stance_it_comes_all_the_same_and_memory_is_bounded():
-    found = navigator(zero_velocity=False, exponent=0.0, look_ahead=0.0)
+    found = navigator(zero_velocity=False, look_ahead=0.0)
     smoother = StrideSmoother(found)
     drive = joined(*[walk(strides=20, turn=0.2, mounted=np.eye(3), end=0.0)] * 2)
     block = measured(drive, 1).block()
