@@ -33,6 +33,7 @@ WITHOUT_UNIT = {
     'integrator.scale_deviation',
     'navigator.acceleration_variance.share',
     'navigator.angular_rate.share',
+    'navigator.aiding_gate',
     'navigator.averaging',
     'navigator.axis_gate',
     'navigator.floor_slope',

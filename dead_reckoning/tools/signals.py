@@ -6,7 +6,11 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import Timer
 from types import FrameType
+
+SOON = 0.01
+"""After so long [s] a signal that came while a module is imported is heard again."""
 
 
 @contextmanager
@@ -17,6 +21,10 @@ def unwinding(*signals: signal.Signals) -> Iterator[None]:
     """
 
     def end(number: int, frame: FrameType | None) -> None:
+        if frame is not None and frame.f_code.co_filename.startswith('<frozen importlib'):
+            # In some of its callbacks Python prints what is raised, and goes on.
+            Timer(SOON, signal.raise_signal, (number,)).start()
+            return
         signal.signal(number, lambda *_: None)  # to tidy up takes a while, and more may come
         sys.exit(128 + number)
 
