@@ -5,6 +5,7 @@ The environment is set when this is imported, since message modules read theirs 
 
 import fcntl
 import os
+import signal
 import socket
 import sys
 import tempfile
@@ -26,6 +27,8 @@ os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ.pop('ROS_LOCALHOST_ONLY', None)
 os.environ.setdefault('HOME', tempfile.gettempdir())
+# A shell ignores Ctrl-C in what runs in its background, and so would all that tests start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @contextmanager

@@ -46,6 +46,9 @@ NODES = (
 )
 EXECUTORS = ('events', 'single')
 
+LOST_ANSWER = 'client will not receive response'
+"""What rclpy says where an answer found no way."""
+
 DEEP = 5000
 RELIABLE = QoSProfile(depth=DEEP)
 BEST_EFFORT = QoSProfile(depth=DEEP, reliability=QoSReliabilityPolicy.BEST_EFFORT)
@@ -244,10 +247,23 @@ class Ros:
         return self.client(service_type, name).call_async(request)
 
     def call(self, service_type: Any, name: str, request: Any) -> Any:
-        """Send a request and return the response."""
-        future = self.ask(service_type, name, request)
-        self.until(future.done, f'the answer of {name}')
-        return future.result()
+        """Send a request and return the response.
+
+        It is asked again where a node says that its answer is lost: DDS may bring it a request
+        before it has found the client.
+        """
+        client = self.client(service_type, name)
+        before, asked = self._lost_answers(), [client.call_async(request)]
+
+        def answer() -> Any:
+            if self._lost_answers() - before >= len(asked):
+                asked.append(client.call_async(request))
+            return next((future for future in asked if future.done()), None)
+
+        return self.until(answer, f'the answer of {name}').result()
+
+    def _lost_answers(self) -> int:
+        return sum(node.stderr.count(LOST_ANSWER) for node in self._started)
 
     def trigger(self, name: str) -> Trigger.Response:
         """Call a Trigger service and return the response."""
