@@ -101,6 +101,7 @@ class InertialNavigator:
         """The last sample, as the filter takes it."""
         self.out = np.zeros((1, layout.STATE_ROW))
         """A state, as the filter gives it."""
+        self._values: list[float] = []
         self._stamp = np.zeros(1, np.int64)
         self._verdict = np.zeros((1, 3))
         self._start_over()
@@ -284,7 +285,7 @@ class InertialNavigator:
         self.row[0] = (dt, *imu.specific_force, *turn, self._variance(imu))
         stamp_ns = self.advance(imu.stamp_ns)
         if stamp_ns is not None:
-            states.append(state_of(stamp_ns, self.out[0].tolist()))
+            states.append(state_of(stamp_ns, self._values))
         return states
 
     def advance(self, stamp_ns: int) -> int | None:
@@ -296,7 +297,8 @@ class InertialNavigator:
         self._waiting.append(stamp_ns)
         if not done:
             return None
-        state_ns = self._take_note(self.out[0].tolist())
+        self._values = self.out[0].tolist()
+        state_ns = self._take_note(self._values)
         return state_ns if state_ns >= self._begin_ns else None
 
     def flush(self) -> list[NavigationState]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from dead_reckoning.core.blocks import Array, Stamps, StateBlock
@@ -45,23 +46,22 @@ def counts_of(state: Array) -> dict[str, int]:
     }
 
 
-def state_of(stamp_ns: int, values: list[float]) -> NavigationState:
+def state_of(stamp_ns: int, values: Sequence[float]) -> NavigationState:
     """Return a row of the kernel, shape (STATE_ROW,), as a state."""
-    px, py, pz, vx, vy, vz, qx, qy, qz, qw, *rest = values
-    fields: Any = rest
+    row: Any = tuple(values)
     return NavigationState(
         stamp_ns,
-        (px, py, pz),
-        (vx, vy, vz),
-        (qx, qy, qz, qw),
-        tuple(fields[0:9]),
-        tuple(fields[9:18]),
-        tuple(fields[18:27]),
-        tuple(fields[27:30]),
-        tuple(fields[30:39]),
-        fields[57 + STATIONARY] > 0.0,
-        tuple(fields[39:48]),
-        tuple(fields[48:57]),
+        row[0:3],
+        row[3:6],
+        row[6:10],
+        row[10:19],
+        row[19:28],
+        row[28:37],
+        row[37:40],
+        row[40:49],
+        row[67 + STATIONARY] > 0.0,
+        row[49:58],
+        row[58:67],
     )
 
 
