@@ -16,7 +16,13 @@ from numpy.typing import NDArray
 from dead_reckoning import wire
 from dead_reckoning.core.blocks import AccelerationBlock, Array, ImuBlock, Stamps, StateBlock
 from dead_reckoning.core.errors import WireError
-from dead_reckoning.core.rotation import matrix_from_quaternion, product, rotate_back, similarity
+from dead_reckoning.core.rotation import (
+    matrix_from_quaternion,
+    product,
+    rotate_back,
+    similarity,
+    transposed,
+)
 from dead_reckoning.core.samples import (
     IDENTITY_QUATERNION,
     NANOSECONDS,
@@ -170,12 +176,12 @@ def odometries_encoder(frame_id: str, child_frame_id: str) -> Callable[[StateBlo
         velocity: Any = tuple(block.velocity.T)
         covariance: Any = tuple(block.velocity_covariance.T)
         rot_wb = matrix_from_quaternion(attitude)
-        a, b, c, d, e, f, g, h, i = rot_wb
+        rot_bw = transposed(rot_wb)
         states['position'], states['attitude'] = block.position, block.attitude
         states['pose_covariance'][:, FIRST] = block.position_covariance
         states['pose_covariance'][:, SECOND] = block.attitude_covariance
         states['linear'] = np.column_stack(rotate_back(rot_wb, velocity))
-        turned = similarity((a, d, g, b, e, h, c, f, i), covariance)
+        turned = similarity(rot_bw, covariance)
         states['twist_covariance'][:, FIRST] = np.where(
             _is_sphere(block.velocity_covariance)[:, None],
             block.velocity_covariance,
@@ -187,9 +193,7 @@ def odometries_encoder(frame_id: str, child_frame_id: str) -> Callable[[StateBlo
         if block.twist_cross_covariance is not None:
             cross: Any = tuple(block.twist_cross_covariance.T)
             for place in (CROSS, CROSS_BACK):
-                states['twist_covariance'][:, place] = np.column_stack(
-                    product((a, d, g, b, e, h, c, f, i), cross)
-                )
+                states['twist_covariance'][:, place] = np.column_stack(product(rot_bw, cross))
         missing = block.angular_velocity_covariance[:, 0] < 0.0
         states['angular'] = np.where(missing[:, None], 0.0, block.angular_velocity)
         states['twist_covariance'][:, SECOND] = np.where(

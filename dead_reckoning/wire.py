@@ -24,6 +24,7 @@ from dead_reckoning.core.rotation import (
     rotate,
     rotate_back,
     rotate_covariance,
+    transposed,
 )
 from dead_reckoning.core.samples import (
     IDENTITY_QUATERNION,
@@ -227,8 +228,7 @@ def odometry_encoder(frame_id: str, child_frame_id: str) -> Callable[[Navigation
 
     def encode(state: NavigationState) -> bytes:
         rot_wb = matrix_from_quaternion(state.attitude)
-        a, b, c, d, e, f, g, h, i = rot_wb
-        rot_bw = (a, d, g, b, e, h, c, f, i)
+        rot_bw = transposed(rot_wb)
         turning = state.angular_velocity is not None
         of_twist = state.twist_cross_covariance
         if of_twist != UNKNOWN:

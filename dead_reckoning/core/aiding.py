@@ -99,6 +99,7 @@ class Aiding:
             *_half(pose.position_covariance), *_difference(arm, self._lever_arm()),
         )  # fmt: skip
         navigator.follow(pose.stamp_ns, layout.VECTOR, told)
+        self._last_ns[layout.BY_POSE] = pose.stamp_ns
         if variance < UNMEASURED_VARIANCE:
             yaw, patience = yaw_from_quaternion(attitude), settings.aiding_patience
             told = (yaw, variance, interval, 0.0, patience, layout.BY_POSE_YAW)
@@ -167,10 +168,11 @@ class Aiding:
             *_difference(arm, self._lever_arm()),
         )  # fmt: skip
         self._navigator.follow(sample.stamp_ns, layout.VECTOR, told)
+        self._last_ns[who] = sample.stamp_ns
 
     def _interval(self, who: int, stamp_ns: int) -> float:
+        """Return the time since the last one that was handed over [s]; 0 at the first."""
         last_ns = self._last_ns.get(who, stamp_ns)
-        self._last_ns[who] = stamp_ns
         return min(abs(stamp_ns - last_ns) / NANOSECONDS, LONGEST_INTERVAL)
 
     def _require_world(self, pose: PoseSample) -> None:

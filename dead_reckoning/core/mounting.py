@@ -21,6 +21,7 @@ from dead_reckoning.core.rotation import (
     rotate,
     rotate_covariance,
     similarity,
+    transposed,
 )
 from dead_reckoning.core.samples import (
     IDENTITY_QUATERNION,
@@ -134,14 +135,9 @@ def carried(
 
 def _carried(own: Matrix, cross: Matrix, turn: Matrix, m: Matrix) -> tuple[Matrix, Matrix]:
     """Return the covariance of a − m θ, and that of it with θ; those of a, both, θ are given."""
-    minus = product(tuple(-x for x in m), _transposed(cross))  # type: ignore[arg-type]
-    carried = _sum(own, similarity(m, turn), minus, _transposed(minus))
+    minus = product(tuple(-x for x in m), transposed(cross))  # type: ignore[arg-type]
+    carried = _sum(own, similarity(m, turn), minus, transposed(minus))
     return carried, _sum(cross, product(tuple(-x for x in m), turn))  # type: ignore[arg-type]
-
-
-def _transposed(m: Matrix) -> Matrix:
-    a, b, c, d, e, f, g, h, i = m
-    return (a, d, g, b, e, h, c, f, i)
 
 
 def _turned(imu: ImuSample, q_bs: Quaternion) -> ImuSample:

@@ -169,7 +169,7 @@ class InertialNavigator:
         """Take over what may change, all at once, between two samples."""
         mutable = {p.key: getattr(settings, p.name) for p in settings.parameters() if p.mutable}
         self.settings = self.settings.changed(mutable)
-        if not self.settings.compass and self._aids.drop(layout.YAW, layout.NORTH):
+        if not self.settings.compass and self._aids.drop_compass():
             self._to_north = False
         if self.aligned:
             self._rules = self._rules_with(self._rules[layout.GRAVITY])

@@ -133,6 +133,12 @@ def cross_covariance(vector: Vector, covariance: Matrix) -> Matrix:
     return similarity(cross_matrix(vector), covariance)
 
 
+def transposed(m: Matrix) -> Matrix:
+    """Return mᵀ; shape (3, 3)."""
+    a, b, c, d, e, f, g, h, i = m
+    return (a, d, g, b, e, h, c, f, i)
+
+
 def product(m: Matrix, s: Matrix) -> Matrix:
     """Multiply out ``m · s``; shapes (3, 3)."""
     a, b, c, d, e, f, g, h, i = s

@@ -47,7 +47,7 @@ class StrideSmoother:
     """Smooth the way since the last stance when the next one ends: one stride late.
 
     What comes out knows all samples up to the end of that stance, and no later one.  Where there
-    is no stance for `LONGEST` seconds it comes out all the same, so that memory is bounded.
+    is no stance for `LONGEST_NS` it comes out all the same, so that memory is bounded.
     """
 
     def __init__(self, navigator: InertialNavigator) -> None:

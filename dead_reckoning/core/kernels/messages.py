@@ -25,6 +25,7 @@ from dead_reckoning.core.rotation import (
     product,
     rotate_back,
     rotate_covariance,
+    transposed,
 )
 from dead_reckoning.core.samples import NANOSECONDS, UNMEASURED_VARIANCE, Matrix
 
@@ -58,16 +59,14 @@ def write_odometry(stamp_ns: int, state: StateColumns, odometry: Array) -> None:
     odometry.view(np.uint32)[3] = stamp_ns % NANOSECONDS
     d = odometry[len(odometry) - ODOMETRY_DOUBLES :]
     attitude = quaternion(state.attitude, 0)
-    a, b, c, d_, e, f, g, h, i = rot_wb = matrix_from_quaternion(attitude)
+    rot_wb = matrix_from_quaternion(attitude)
     put(d[:3], vector(state.position, 0))
     d[3], d[4], d[5], d[6] = attitude
     _put_blocks(
         d[7:43], matrix(state.position_covariance, 0), matrix(state.attitude_covariance, 0)
     )
     put(d[43:46], rotate_back(rot_wb, vector(state.velocity, 0)))
-    velocity = rotate_covariance(
-        (a, d_, g, b, e, h, c, f, i), matrix(state.velocity_covariance, 0)
-    )
+    velocity = rotate_covariance(transposed(rot_wb), matrix(state.velocity_covariance, 0))
     put(d[46:49], vector(state.angular_velocity, 0))
     huge = UNMEASURED_VARIANCE
     rate = (huge, 0.0, 0.0, 0.0, huge, 0.0, 0.0, 0.0, huge)
@@ -79,9 +78,9 @@ def write_odometry(stamp_ns: int, state: StateColumns, odometry: Array) -> None:
 def write_cross(of_pose: Matrix, of_twist: Matrix, odometry: Array) -> None:
     """Write what an Odometry, written already, says of position with attitude, twist with rate."""
     d = odometry[len(odometry) - ODOMETRY_DOUBLES :]
-    a, b, c, d_, e, f, g, h, i = matrix_from_quaternion((d[3], d[4], d[5], d[6]))
+    rot_wb = matrix_from_quaternion((d[3], d[4], d[5], d[6]))
     _put_cross(d[7:43], of_pose)
-    _put_cross(d[49:], product((a, d_, g, b, e, h, c, f, i), of_twist))
+    _put_cross(d[49:], product(transposed(rot_wb), of_twist))
 
 
 def _put_cross(out: Array, cross: Matrix) -> None:

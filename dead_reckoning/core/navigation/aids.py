@@ -38,13 +38,12 @@ class Aids:
         """The least stamp of those that wait, at least one [ns]."""
         return min(stamp_ns for stamp_ns, _, _ in self.waiting)
 
-    def drop(self, *kinds: int) -> bool:
-        """Drop those of some kinds that wait; say whether the last of these was among them."""
-        dropped = [aid[1] for aid in self.waiting if aid[1] in kinds]
-        kept = [aid for aid in self.waiting if aid[1] not in kinds]
-        self.waiting.clear()
-        self.waiting.extend(kept)
-        return kinds[-1] in dropped
+    def drop_compass(self) -> bool:
+        """Drop what a compass told and waits; say whether its first yaw was among it."""
+        told = [aid for aid in self.waiting if _is_of_compass(aid)]
+        for aid in told:
+            self.waiting.remove(aid)
+        return any(kind == layout.NORTH for _, kind, _ in told)
 
     def add(self, stamp_ns: int, kind: int, values: Sequence[float]) -> None:
         """Take one, of a kind of `layout`; its age is added to the values."""
@@ -65,3 +64,8 @@ class Aids:
                 continue
             made.append(aid_row(index + first, kind, values, int(stamps[index]) - stamp_ns))
         return np.array(sorted(made, key=lambda row: row[0])) if made else NO_AIDS
+
+
+def _is_of_compass(aid: tuple[int, int, Sequence[float]]) -> bool:
+    _, kind, values = aid
+    return kind == layout.NORTH or (kind == layout.YAW and values[-1] == layout.BY_COMPASS)

@@ -78,7 +78,7 @@ class Stretch:
 
 
 class History:
-    """Keep the last ``span`` [s] of what a navigator takes: its ``record``.
+    """Keep the last ``span`` [s] of what a navigator takes: its ``history``.
 
     96 bytes a sample, and 4 KB for each `STRETCH` of them.
     """

@@ -170,6 +170,8 @@ def test_a_switch_of_the_compass_drops_no_level_that_waits():
     waiting = len(found._aids.waiting)
     assert waiting == 0 or found._aids.waiting[0][1] == layout.LEVEL
     found._aids.add(10**30, layout.LEVEL, (0.0,) * 8)
-    found._aids.add(10**30, layout.YAW, (0.0,) * 3)
+    found._aids.add(10**30, layout.YAW, (*[0.0] * 5, layout.BY_COMPASS))
+    found._aids.add(10**30, layout.YAW, (*[0.0] * 5, layout.BY_POSE_YAW))
     found.configure(found.settings.changed({'navigator.compass': False}))
-    assert [kind for _, kind, _ in found._aids.waiting] == [layout.LEVEL] * (waiting + 1)
+    kinds = [kind for _, kind, _ in found._aids.waiting]
+    assert kinds == [*[layout.LEVEL] * (waiting + 1), layout.YAW]  # that of a pose stays

@@ -57,6 +57,7 @@ from dead_reckoning.core.kernels.navigation.strapdown import added, cross
 from dead_reckoning.core.kernels.navigation.vectors import follow_vector, place
 from dead_reckoning.core.rotation import (
     composed,
+    cross_matrix,
     matrix_from_quaternion,
     rotate,
     rotate_back,
@@ -218,8 +219,7 @@ def roll_along(dt: float, rate: Vector, f: Filter) -> None:
 
 def _look_along(axis: int, rot_ws: Matrix, arm: Vector, h: Array) -> None:
     """Let the next measurement be the velocity at an arm, along an axis of the body."""
-    x, y, z = arm
-    crossed = (0.0, -z, y, z, 0.0, -x, -y, x, 0.0)
+    crossed = cross_matrix(arm)
     for j in range(3):
         h[VELOCITY + j] = rot_ws[3 * j + axis]
         h[RATE_BIAS + j] = crossed[3 * axis + j]

@@ -45,7 +45,9 @@ from dead_reckoning.core.kernels.navigation.measurement import (
 )
 from dead_reckoning.core.kernels.navigation.strapdown import added, cross
 from dead_reckoning.core.rotation import (
+    cross_matrix,
     matrix_from_quaternion,
+    product,
     rotate,
     rotate_back,
     yaw_from_quaternion,
@@ -102,8 +104,7 @@ def _innovation(
     rot_ws = matrix_from_quaternion(attitude_of(state))
     w = added(rate, triple(state[X_RATE_BIAS : X_RATE_BIAS + 3]), -1.0)
     velocity = triple(state[X_VELOCITY : X_VELOCITY + 3])
-    x, y, z = arm
-    crossed = (0.0, -z, y, z, 0.0, -x, -y, x, 0.0)
+    crossed = cross_matrix(arm)
     if what == BODY_VELOCITY:
         for i in range(3):
             for j in range(3):
@@ -119,11 +120,11 @@ def _innovation(
         expected = added(added(triple(state[X_POSITION : X_POSITION + 3]), away, 1.0), u, -since)
         return added(value, expected, -1.0)
     _turns(u, rows)
+    of_bias = product(rot_ws, crossed)
     for i in range(3):
         rows[i, VELOCITY + i] = 1.0
         for j in range(3):
-            for k in range(3):
-                rows[i, RATE_BIAS + j] += rot_ws[3 * i + k] * crossed[3 * k + j]
+            rows[i, RATE_BIAS + j] = of_bias[3 * i + j]
     return added(value, u, -1.0)
 
 
