@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator
-from math import inf
+from math import dist, inf
 
 import numpy as np
 
@@ -14,7 +14,8 @@ from dead_reckoning.core.kernels.navigation.smoother import smooth
 from dead_reckoning.core.navigation.history import STRETCH, History, Stretch
 from dead_reckoning.core.navigation.states import state_block
 from dead_reckoning.core.navigator import InertialNavigator
-from dead_reckoning.core.samples import NANOSECONDS
+from dead_reckoning.core.samples import NANOSECONDS, Vector
+from dead_reckoning.core.strides import SHORTEST
 
 LONGEST_NS = 10 * NANOSECONDS
 """Without a stance for so long, what there is comes out."""
@@ -44,10 +45,11 @@ class Smoother:
 
 
 class StrideSmoother:
-    """Smooth the way since the last stance when the next one ends: one stride late.
+    """Smooth the way since the last stance when the foot has left the next one: one stride late.
 
-    What comes out knows all samples up to the end of that stance, and no later one.  Where there
-    is no stance for `LONGEST_NS` it comes out all the same, so that memory is bounded.
+    What comes out knows all samples up to the end of that stance, and no later one.  A stance is
+    left once the foot is `SHORTEST` away: before, it shifted, and the stance goes on.  Where
+    nothing is left for `LONGEST_NS` what there is comes out, so that memory is bounded.
     """
 
     def __init__(self, navigator: InertialNavigator) -> None:
@@ -59,49 +61,45 @@ class StrideSmoother:
         self._begun = self._navigator.strides  # anew at each start
         self._from_ns: int | None = None
         self._last_ns = 0
-        self._stood = False
+        self._stood: tuple[int, Vector] | None = None  # when and where last
 
     def take(self, states: StateBlock) -> list[StateBlock]:
         """Take the next states that the navigator gave; return smoothed ones, in their order."""
         if self._navigator.strides is not self._begun:
             self._begin()
-        stamps, rests = states.stamp_ns, states.stationary
-        found, begin = [], 0
-        while begin < len(states):
+        found = []
+        columns = (states.stamp_ns, states.stationary, states.position)
+        for stamp_ns, rests, position in zip(*(each.tolist() for each in columns), strict=True):
             if self._from_ns is None:
-                self._need(int(stamps[begin]))
-                self._stood = bool(rests[begin])
-            assert self._from_ns is not None
-            late = int(np.searchsorted(stamps, self._from_ns + LONGEST_NS, 'right'))
-            ends = np.flatnonzero(np.diff(rests[begin:].astype(int), prepend=int(self._stood)) < 0)
-            end = min(late, begin + int(ends[0])) if len(ends) else late
-            if end > begin:
-                self._last_ns = int(stamps[end - 1])
-                self._stood = bool(rests[end - 1])
-            if end < len(states):
-                found.append(self._smooth())
-                self._need(int(stamps[end]))
-                self._stood = bool(rests[end])
-            begin = end
+                self._need(stamp_ns)
+            elif stamp_ns > self._from_ns + LONGEST_NS:
+                found.append(self._smooth(self._last_ns))
+                self._need(stamp_ns)
+            if rests:
+                self._stood = stamp_ns, position
+            elif self._stood is not None and dist(self._stood[1], position) > SHORTEST:
+                found.append(self._smooth(self._stood[0]))
+                self._need(self._stood[0] + 1)
+            self._last_ns = stamp_ns
         return found
 
     def flush(self) -> list[StateBlock]:
         """Return what is left, as at the end."""
         if self._from_ns is None:
             return []
-        left = self._smooth()
+        left = self._smooth(self._last_ns)
         self._begin()
         return [left]
 
     def _need(self, from_ns: int) -> None:
         self._from_ns = self._navigator.keep().needed_ns = from_ns
+        self._stood = None
 
-    def _smooth(self) -> StateBlock:
-        """Return the states from the first to the last, smoothed."""
+    def _smooth(self, last_ns: int) -> StateBlock:
+        """Return the states from the first that is needed to that of a stamp, smoothed."""
         assert self._from_ns is not None
-        stretches = self._navigator.keep().stretches
         found = []
-        for block in smoothed(reversed(stretches), self._last_ns):
+        for block in smoothed(reversed(self._navigator.keep().stretches), last_ns):
             begin = int(np.searchsorted(block.stamp_ns, self._from_ns))
             found.append(block.part(begin, len(block)))
             if begin > 0:

@@ -297,8 +297,8 @@ class NavigatorSettings(Settings, prefix='navigator'):
     )  # fmt: skip
     smoothing: bool = parameter(
         False,
-        'Smooth the way since the last stance when the next one ends, and publish it as '
-        'odom_smoothed and path',
+        'Smooth the way since the last stance once the foot has left the next one, and publish it '
+        'as odom_smoothed and path',
     )
     aiding_twist: bool = parameter(
         True, 'Take the velocities of aiding/twist, where there are any', mutable=True

@@ -1,15 +1,20 @@
 """Smoothing stride by stride: late by one, by what is known up to then, in bounded memory."""
 
 from contextlib import suppress
+from itertools import cycle
+from math import dist
 
 import numpy as np
 import pytest
 from simulated_walks import START_NS, blocks_of, joined, measured, navigator, walk
+from simulated_walks import streamed as to_the_end
 
+from dead_reckoning.core import smoother as smoother_module
 from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.errors import NotLevelledError
 from dead_reckoning.core.navigation.history import STRETCH
 from dead_reckoning.core.smoother import LONGEST_NS, Smoother, StrideSmoother
+from dead_reckoning.core.strides import SHORTEST
 
 TRUE = walk(strides=8, turn=0.2, mounted=np.eye(3))
 WALK = measured(TRUE, 1)
@@ -29,16 +34,19 @@ def streamed(block, found=None, smoother=None):
     return found, states, parts, smoother
 
 
-def test_each_state_comes_once_when_its_stance_has_ended():
+def test_each_state_comes_once_when_the_foot_has_left_its_stance():
     found, states, parts, smoother = streamed(WALK.block())
     stamps = [state.stamp_ns for state in states]
     given = np.concatenate([part.stamp_ns for part, _ in parts])
     np.testing.assert_array_equal(given, stamps[: len(given)])
-    assert len(parts) >= 8
+    assert len(parts) == found.strides.count
     for part, late in parts:
         assert part.stationary[-1]
         assert np.count_nonzero(np.diff(part.stationary.astype(int)) > 0) <= 1
-        assert late < 0.1e9
+        stood = stamps.index(part.stamp_ns[-1])
+        now = stamps.index(part.stamp_ns[-1] + late)
+        away = [dist(state.position, states[stood].position) for state in states[stood : now + 1]]
+        assert max(away[:-1]) <= SHORTEST < away[-1]
     new = found.flush()
     (rest,) = [*smoother.take(StateBlock.of(new)), *smoother.flush()]
     assert rest.stamp_ns[-1] == new[-1].stamp_ns
@@ -73,6 +81,52 @@ def test_in_blocks_it_is_the_same():
     given = StateBlock.join(blocks)
     np.testing.assert_array_equal(given.stamp_ns, streams.stamp_ns)
     np.testing.assert_array_equal(given.position, streams.position)
+
+
+def taken(change, sizes):
+    """Return the parts of a walk whose rests are changed first, its states in blocks of sizes."""
+    found = navigator()
+    smoother = StrideSmoother(found)
+    states = to_the_end(found, WALK.block())
+    change(states.stationary)
+    parts, begin = [], 0
+    while begin < len(states):
+        end = begin + next(sizes)
+        parts += smoother.take(states.part(begin, min(end, len(states))))
+        begin = end
+    return states, [*parts, *smoother.flush()]
+
+
+def test_a_stance_broken_in_two_is_one():
+    def broken(rests):
+        begins = np.flatnonzero(np.diff(rests.astype(int)) > 0) + 1
+        rests[begins[:, None] + np.arange(10, 20)] = False
+
+    parts = taken(broken, cycle([100]))[1]
+    expected = taken(lambda _: None, cycle([100]))[1]
+    assert len(parts) == len(expected)
+    for part, whole in zip(parts, expected, strict=True):
+        np.testing.assert_array_equal(part.stamp_ns, whole.stamp_ns)
+
+
+def test_whatever_is_taken_for_rest_each_state_comes_once_and_sizes_of_blocks_do_not_matter(
+    monkeypatch,
+):
+    monkeypatch.setattr(smoother_module, 'LONGEST_NS', 400_000_000)
+
+    def at_random(rests):
+        rests[:] = np.repeat(np.random.default_rng(3).random(len(rests)) < 0.5, 15)[: len(rests)]
+
+    states, parts = taken(at_random, cycle([1]))
+    given = StateBlock.join(parts)
+    np.testing.assert_array_equal(given.stamp_ns, states.stamp_ns)
+    lasts = [np.ptp(part.stamp_ns) for part in parts]
+    assert max(lasts) <= 400_000_000
+    assert len(parts) > 20
+    sizes = np.random.default_rng(4).integers(1, 120, len(states))
+    _, others = taken(at_random, iter(sizes.tolist()))
+    assert [len(part) for part in others] == [len(part) for part in parts]
+    np.testing.assert_array_equal(StateBlock.join(others).position, given.position)
 
 
 def test_height_is_known_better_and_nothing_worse_on_average():
