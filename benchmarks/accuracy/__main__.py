@@ -24,6 +24,7 @@ from benchmarks.accuracy import (
     oxford,
     sensors,
     slopes,
+    smoothing,
     wrist,
     xio,
 )
@@ -34,7 +35,7 @@ from dead_reckoning.tools.table import table
 KINDS = (jackal, broad, airbrakes, oxford, wrist, openshoe, gcp, xio, gaitmap, inclination)
 """One module per kind of recording; each has NAME, PATTERN and `measure`."""
 
-SIMULATED = (slopes, sensors, consistency, aided_drives, navigator_cost)
+SIMULATED = (slopes, smoothing, sensors, consistency, aided_drives, navigator_cost)
 """What needs no recording; each has NAME and `measure`."""
 
 

@@ -18,6 +18,7 @@ from benchmarks.accuracy import pictures
 from benchmarks.accuracy.inertial import FOOT, START_NS, Recording, Way, ways
 from benchmarks.accuracy.report import Report
 from benchmarks.accuracy.signals import root_mean_square
+from benchmarks.accuracy.smoothing import add_swings_beside_smoothed
 from dead_reckoning.core.errors import RecordingError
 from dead_reckoning.core.samples import NANOSECONDS
 
@@ -40,7 +41,8 @@ RMSE, MEAN = 0.05, 1.0
 
 def measure(path: Path, output: Path) -> Report:
     """Measure the strides of both feet."""
-    lengths = {foot: stride_lengths(path, foot) for foot in FEET}
+    feet = {foot: stride_lengths(path, foot) for foot in FEET}
+    lengths = {foot: found for foot, (found, _) in feet.items()}
     report = Report('gaitmap', 'gaitmap, length of the strides of two feet')
     names = list(lengths['left'])[1:]
     both = {
@@ -59,6 +61,7 @@ def measure(path: Path, output: Path) -> Report:
     report.add_table(
         'against the marker on the heel: RMSE, mean', ('', 'strides', 'length', *names), rows
     )
+    add_swings_beside_smoothed(report, [walked for _, walked in feet.values()])
     for name in ('causal', 'smoothed'):
         figures = report.figures[f'both, {name}']
         report.aim(f'gaitmap, stride length, RMSE [m], {name}', figures['rmse_m'], RMSE, '{:.3f}')
@@ -68,8 +71,8 @@ def measure(path: Path, output: Path) -> Report:
     return report
 
 
-def stride_lengths(path: Path, foot: str) -> dict[str, Array]:
-    """Return the lengths of a foot's strides [m]: the true ones, and those of each way.
+def stride_lengths(path: Path, foot: str) -> tuple[dict[str, Array], dict[str, Way]]:
+    """Return the lengths of a foot's strides [m], the true ones and those of each way; the ways.
 
     A stride goes from where the foot moves least to where it does so again, as the set says; what
     the cameras did not see is left out.  Raises `RecordingError` where something is wrong.
@@ -86,9 +89,10 @@ def stride_lengths(path: Path, foot: str) -> dict[str, Array]:
     true = lengths_between(heel_w, frames)
     known = np.isfinite(true)
     found = {'true': true[known]}
-    for name, way in ways(recording, FOOT).items():
+    walked = ways(recording, FOOT)
+    for name, way in walked.items():
         found[name] = lengths_between(way.states.position, in_states(way, borders[known]))
-    return found
+    return found, walked
 
 
 def in_states(way: Way, samples: NDArray[np.int64]) -> NDArray[np.int64]:

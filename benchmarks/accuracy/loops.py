@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from benchmarks.accuracy import pictures
 from benchmarks.accuracy.inertial import CAUSAL, FOOT, Recording, Way, ways
 from benchmarks.accuracy.report import Report
+from benchmarks.accuracy.smoothing import add_swings_beside_smoothed
 
 Array = NDArray[np.float64]
 
@@ -56,7 +57,7 @@ def walk_loop(recording: Recording) -> Loop:
 
 
 def add_loops(report: Report, caption: str, loops: Sequence[Loop]) -> None:
-    """Add the table of some loops: what is left at the end, and the sigma published with it."""
+    """Add the tables of some loops: what is left at the end beside its sigma, and the swings."""
     rows = []
     for loop in loops:
         causal = loop.ways[CAUSAL]
@@ -85,6 +86,7 @@ def add_loops(report: Report, caption: str, loops: Sequence[Loop]) -> None:
         }
         for loop in loops
     }
+    add_swings_beside_smoothed(report, [loop.ways for loop in loops])
 
 
 def draw(path: Path, title: str, loops: Sequence[Loop]) -> Path:

@@ -2,6 +2,7 @@
 
 import gzip
 import sys
+from dataclasses import replace
 from itertools import pairwise
 from math import tau
 
@@ -18,6 +19,7 @@ from benchmarks.accuracy import (
     openshoe,
     sensors,
     slopes,
+    smoothing,
     xio,
 )
 from benchmarks.accuracy.__main__ import _say_goals
@@ -47,6 +49,9 @@ def test_a_loop_ends_where_it_began(tmp_path):
         assert found['strides'] == STRIDES
         assert found['end_percent'] < 0.1
         assert found['way_m'] == pytest.approx(STRIDES * 1.4, rel=0.01)
+    of_swings = report.figures['swings']
+    assert of_swings['stride by stride']['height_m'] < of_swings['causal']['height_m']
+    assert of_swings['smoothed']['height_m'] == of_swings['smoothed']['jumps'] == 0
     assert report.figures['100 Hz']['causal']['worst_percent'] < 0.5
     assert [goal.met for goal in report.goals[:4]] == [True] * 4
     assert report.pictures[0].read_bytes().startswith(b'\x89PNG')
@@ -103,6 +108,28 @@ def test_block_means_keep_the_integral():
     np.testing.assert_allclose(even.turn_s, line.reshape(200, 5, 3).mean(axis=1), atol=1e-12)
 
 
+def test_swings_are_compared_and_jumps_are_what_velocity_does_not_explain():
+    states = live(Recording('', LOOP.time, LOOP.force, LOOP.rate), FOOT).states
+    true = smoothing.Reference(
+        states.stamp_ns[10:],
+        states.position[10:],
+        states.velocity[10:],
+        ~states.stationary[10:],
+    )
+    as_it_is = smoothing.swings(states, true).figures()
+    moved = states.position.copy()
+    moved[-300:] += 0.02  # within the rest at the end
+    moved[~states.stationary, 2] += 0.003
+    faster = states.velocity + np.where(states.stationary, 0.0, 0.04)[:, None]
+    figures = smoothing.swings(replace(states, position=moved, velocity=faster), true).figures()
+    assert as_it_is['height_m'] == as_it_is['velocity_m_s'] == 0.0
+    assert figures['jumps'] == as_it_is['jumps'] + 1
+    assert figures['largest_jump_m'] == pytest.approx(0.02 * 3**0.5, rel=0.05)
+    assert figures['height_m'] == pytest.approx(0.003)
+    assert figures['velocity_m_s'] == pytest.approx(0.04 * 3**0.5)
+    assert figures['sigma_height_m'] == as_it_is['sigma_height_m'] > 0.01
+
+
 def write_gaitmap(folder):
     """Write both feet as the same straight walk, after 1 s that the cameras do not see."""
     folder.mkdir()
@@ -131,7 +158,7 @@ def write_gaitmap(folder):
 def test_strides_are_measured_where_the_cameras_saw_them(tmp_path):
     write_gaitmap(tmp_path / 'set')
     for foot in gaitmap.FEET:
-        found = gaitmap.stride_lengths(tmp_path / 'set', foot)
+        found, _ = gaitmap.stride_lengths(tmp_path / 'set', foot)
         assert found['true'] == pytest.approx(np.full(STRIDES, 1.4), abs=1e-6)
         for way in ('causal', 'smoothed'):
             assert found[way] == pytest.approx(found['true'], abs=0.02)
@@ -216,6 +243,15 @@ def test_simulations_report_what_they_find(tmp_path, monkeypatch):
     monkeypatch.setattr(slopes, 'SLOPES', dict([*slopes.SLOPES.items()][:1]))
     (found,) = slopes.measure(tmp_path).figures['worst_percent'].values()
     assert 0.0 < found['causal'] < 3.0
+    monkeypatch.setattr(smoothing, 'SEEDS', 1)
+    monkeypatch.setattr(smoothing, 'COUNT', 6)
+    report = smoothing.measure(tmp_path)
+    (goal,) = report.goals
+    assert goal.met
+    of_swings = report.figures['swings']
+    assert of_swings['smoothed']['height_m'] < 0.5 * of_swings['causal']['height_m'] < 0.005
+    assert of_swings['smoothed']['largest_jump_m'] < 1e-3 < of_swings['causal']['largest_jump_m']
+    assert report.pictures[0].exists()
     monkeypatch.setattr(sensors, 'SEEDS', 1)
     report = sensors.measure(tmp_path)
     assert [goal.met for goal in report.goals] == [True, True, True]
