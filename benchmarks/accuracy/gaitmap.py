@@ -74,6 +74,19 @@ def measure(path: Path, output: Path) -> Report:
 def stride_lengths(path: Path, foot: str) -> tuple[dict[str, Array], dict[str, Way]]:
     """Return the lengths of a foot's strides [m], the true ones and those of each way; the ways.
 
+    Raises `RecordingError` where something is wrong.
+    """
+    recording, borders, true = load(path, foot)
+    found = {'true': true}
+    walked = ways(recording, FOOT)
+    for name, way in walked.items():
+        found[name] = lengths_between(way.states.position, in_states(way, borders))
+    return found, walked
+
+
+def load(path: Path, foot: str) -> tuple[Recording, NDArray[np.int64], Array]:
+    """Read the sensor of a foot; return it, its strides, shape (n, 2) [samples], their lengths.
+
     A stride goes from where the foot moves least to where it does so again, as the set says; what
     the cameras did not see is left out.  Raises `RecordingError` where something is wrong.
     """
@@ -88,11 +101,7 @@ def stride_lengths(path: Path, foot: str) -> tuple[dict[str, Array], dict[str, W
     borders, frames = borders[seen], frames[seen]
     true = lengths_between(heel_w, frames)
     known = np.isfinite(true)
-    found = {'true': true[known]}
-    walked = ways(recording, FOOT)
-    for name, way in walked.items():
-        found[name] = lengths_between(way.states.position, in_states(way, borders[known]))
-    return found, walked
+    return recording, borders[known], true[known]
 
 
 def in_states(way: Way, samples: NDArray[np.int64]) -> NDArray[np.int64]:

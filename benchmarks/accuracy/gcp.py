@@ -72,11 +72,10 @@ def load(path: Path) -> tuple[Loop, int]:
 
     Raises `RecordingError` where something is missing, or where it does not end where it began.
     """
-    with np.load(path) as data:
-        time, force_g, turn_s, corners, at, true, ok = numbers(path, data, KEYS)
+    recording, (corners, at, true, ok) = read(path)
     if not np.allclose(corners[0], corners[-1]):
         raise RecordingError(f'{path}: ends at {corners[-1]}, not where it began; leave it out')
-    found = ways(Recording(path.stem, time, force_g * GRAVITY, turn_s), FOOT)
+    found = ways(recording, FOOT)
     known_w, passed = np.zeros((1, 2)), np.array([-1])
     causal = found[CAUSAL].states
     landed = landings(causal)
@@ -85,6 +84,13 @@ def load(path: Path) -> tuple[Loop, int]:
         reached = causal.position[passed, :2] - causal.position[0, :2]
         known_w = turned(corners[1:] - corners[0], reached)
     return Loop(path.stem, found, known_w, passed.tolist()), int(true)
+
+
+def read(path: Path) -> tuple[Recording, list[Array]]:
+    """Read one walk; return it, and of the rest of `KEYS` what there is."""
+    with np.load(path) as data:
+        time, force_g, turn_s, *known = numbers(path, data, KEYS)
+    return Recording(path.stem, time, force_g * GRAVITY, turn_s), known
 
 
 def turned(corners: Array, reached: Array) -> Array:

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dead_reckoning.configuration import Configuration, read_values
-from dead_reckoning.core.blocks import StateBlock
+from dead_reckoning.core.blocks import ImuBlock, StateBlock
 from dead_reckoning.core.chain import FAULT, Output
 from dead_reckoning.core.errors import NotLevelledError, RecordingError, RepeatedStampError
 from dead_reckoning.core.pipeline import Pipeline
-from dead_reckoning.core.samples import NANOSECONDS, ImuSample, NavigationState
+from dead_reckoning.core.samples import NANOSECONDS, NOT_MEASURED, ImuSample, NavigationState
 from dead_reckoning.core.smoother import Smoother
 from dead_reckoning.core.stages import ODOMETRY
 from dead_reckoning.core.stages import SMOOTHED as ODOMETRY_SMOOTHED
@@ -66,6 +66,21 @@ class Recording:
         for stamp_ns, force, turn in zip(*rows, strict=True):
             yield ImuSample(stamp_ns, 'imu_link', tuple(force), angular_velocity=tuple(turn))
 
+    def block(self) -> ImuBlock:
+        """Give all samples."""
+        n = len(self.time)
+        unknown = np.zeros((n, 9))
+        return ImuBlock(
+            self.stamps_ns,
+            'imu_link',
+            self.force_s,
+            unknown,
+            self.turn_s,
+            unknown,
+            np.zeros((n, 4)),
+            np.tile(NOT_MEASURED, (n, 1)),
+        )
+
 
 @dataclass(frozen=True)
 class Way:
@@ -91,6 +106,24 @@ class Way:
 def live(recording: Recording, values: Values) -> Way:
     """Give the samples to a pipeline, one by one; the states begin when it is aligned."""
     return _drive(Pipeline(Configuration(values)), recording)[0]
+
+
+def in_blocks(recording: Recording, values: Values) -> Way:
+    """Give the samples to a pipeline at once; the states are those of `live`."""
+    pipeline = Pipeline(Configuration(values), blocks=True)
+    navigator = pipeline.navigator
+    assert navigator is not None
+    outputs = pipeline.chain.push(navigator.settings.input, recording.block())
+    outputs += pipeline.chain.end()
+    found = []
+    for name, value in outputs:
+        if name == ODOMETRY:
+            found.append(value)
+        elif name == FAULT and not isinstance(value.value, EXPECTED):
+            raise value.value
+    if not found:
+        raise RecordingError(f'{recording.name}: no rest to align at')
+    return Way(StateBlock.join(found), navigator.strides.count, navigator.strides.distance)
 
 
 def ways(recording: Recording, values: Values) -> dict[str, Way]:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from benchmarks import settings
 from benchmarks.accuracy import (
     aided_drives,
     consistency,
@@ -23,7 +24,7 @@ from benchmarks.accuracy import (
     xio,
 )
 from benchmarks.accuracy.__main__ import _say_goals
-from benchmarks.accuracy.inertial import FOOT, Recording, block_means, landings, live
+from benchmarks.accuracy.inertial import FOOT, Recording, block_means, in_blocks, landings, live
 from benchmarks.accuracy.report import Goal, Report
 from benchmarks.accuracy.simulated_walks import walk
 from benchmarks.accuracy.trial import Trial
@@ -93,6 +94,14 @@ def test_landings_are_stances_after_a_stride():
     found = landings(way.states)
     steps = np.diff(way.states.position[found], axis=0)
     assert np.linalg.norm(steps, axis=1) == pytest.approx(np.full(STRIDES, 1.4), abs=0.05)
+
+
+def test_blocks_go_the_way_of_samples():
+    recording = Recording('', LOOP.time, LOOP.force, LOOP.rate)
+    way, live_way = in_blocks(recording, FOOT), live(recording, FOOT)
+    np.testing.assert_array_equal(way.states.stamp_ns, live_way.states.stamp_ns)
+    np.testing.assert_array_equal(way.states.position, live_way.states.position)
+    assert (way.strides, way.length) == (live_way.strides, live_way.length)
 
 
 def test_block_means_keep_the_integral():
@@ -167,19 +176,43 @@ def test_strides_are_measured_where_the_cameras_saw_them(tmp_path):
     assert report.figures['both, causal']['rmse_m'] < 0.02
 
 
-def test_units_and_repeated_samples_of_x_io(tmp_path):
-    path = tmp_path / 'xio_gait_tracking' / 'short_walk.csv.gz'
+def write_xio(path):
+    """Write each sample twice."""
     path.parent.mkdir()
     columns = np.column_stack((LOOP.time, np.degrees(LOOP.rate), LOOP.force / GRAVITY))
     with gzip.open(path, 'wt') as file:
         file.write('time\n')
         np.savetxt(file, np.repeat(columns, 2, axis=0), delimiter=',')
+
+
+def test_units_and_repeated_samples_of_x_io(tmp_path):
+    path = tmp_path / 'xio_gait_tracking' / 'short_walk.csv.gz'
+    write_xio(path)
     read = xio.load(path)
     np.testing.assert_allclose(read.force_s[::2], LOOP.force, rtol=1e-12)
     np.testing.assert_allclose(read.turn_s[1::2], LOOP.rate, atol=1e-12)
     report = xio.measure(path, tmp_path)
     assert report.figures['loops']['short_walk']['causal']['end_3d_m'] < 0.02
     assert [goal.met for goal in report.goals] == [True, True]
+
+
+def test_settings_are_halved_and_doubled(tmp_path, monkeypatch, capsys):
+    at, corners = corners_of(LOOP)
+    write_npz(tmp_path / 'openshoe' / 'm1.npz', LOOP)
+    more = {'gcp_m': corners, 'gcp_stride': at, 'strides': STRIDES, 'gcp_ok': 1}
+    write_npz(tmp_path / 'koroglu_gcp' / 'exp1.npz', LOOP, **more)
+    write_gaitmap(tmp_path / gaitmap.PATTERN)
+    write_xio(tmp_path / 'xio_gait_tracking' / 'short_walk.csv.gz')
+    monkeypatch.setattr(settings, 'SETTINGS', ('rest_factor',))
+    monkeypatch.setattr(settings, 'OTHERWISE', {'swings are rest': {'shoe.share': 1.0}})
+    monkeypatch.setattr(sys, 'argv', ['settings', str(tmp_path)])
+    settings.main()
+    _, *rows = (line.split() for line in capsys.readouterr().out.splitlines())
+    names = [' '.join(row[:-13]) for row in rows]
+    assert names == ['default', 'rest_factor × 0.5', 'rest_factor × 2', 'swings are rest']
+    assert rows[0][-12:-1:2] == ['×1.00'] * 6
+    assert all(float(cell[1:]) > 5.0 for cell in rows[-1][-12:-1:2])
+    assert [row[-1] for row in rows] == ['0', '0', '0', '1']
 
 
 def test_inclination_is_the_angle_between_verticals():
