@@ -250,6 +250,18 @@ def test_a_lever_arm_of_the_sensor_is_where_the_body_is_not():
     assert found.counts['placed'] == 1
 
 
+def test_a_position_where_the_body_was_set_says_nothing_about_its_yaw():
+    """The sensor is a metre off, and by its yaw nobody knows where."""
+    found, chain = begun(Mounting(translation=(1.0, 0.0, 0.0)))
+    unknown = (HUGE, 0.0, 0.0, 0.0, HUGE, 0.0, 0.0, 0.0, HUGE)
+    of_yaw = (1e-4, 0.0, 0.0, 0.0, 1e-4, 0.0, 0.0, 0.0, 0.25)
+    assert not chain.push(SET_POSE, pose((4.0, 5.0, 6.0), 1.0, attitude_covariance=of_yaw))
+    assert not chain.push(AIDING_POSE, pose((4.0, 5.0, 6.0), attitude_covariance=unknown))
+    assert found.counts['aiding_pose'] == 1
+    variance = found._state[17 : 17 + 256].reshape(16, 16)[8, 8]
+    assert variance == pytest.approx(0.25, rel=0.01)
+
+
 def test_a_pose_of_rviz_is_one_in_a_plane():
     found, chain = begun()
     height, tilt = found._state[2], found._state[13:17].copy()
