@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Sequence
 from concurrent.futures import Future
 
@@ -86,6 +86,8 @@ class InertialNavigator:
         self.settings = settings
         self.findings: list[DeadReckoningError] = []
         """What turned out to be wrong, for whoever reports it and clears it."""
+        self.dropped: Counter[str] = Counter()
+        """How much of what aids could not be used, by its topic."""
         self.history: History | None = None
         """Keeps what the filter takes, where somebody needs it."""
         self._of_detectors = of_detectors

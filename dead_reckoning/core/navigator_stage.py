@@ -235,13 +235,24 @@ def navigator_stage(
         navigator.findings.clear()
         return outputs
 
+    def aided(name: str, take: Callable[[Any], None]) -> Callable[[Any], tuple[()]]:
+        def given(sample: Any) -> tuple[()]:
+            try:
+                take(sample)
+            except SampleError as error:
+                navigator.dropped[name] += 1
+                raise type(error)(f'{name}: {error}') from error
+            return ()
+
+        return given
+
     return {
         navigator.settings.input: take,
         COMPASS: _silent(navigator.follow_compass),
-        AIDING_TWIST: _silent(aiding.take_twist),
-        AIDING_ODOMETRY: _silent(aiding.take_odometry),
-        AIDING_POSE: _silent(aiding.take_pose),
-        SET_POSE: _silent(aiding.set_pose),
+        AIDING_TWIST: aided(AIDING_TWIST, aiding.take_twist),
+        AIDING_ODOMETRY: aided(AIDING_ODOMETRY, aiding.take_odometry),
+        AIDING_POSE: aided(AIDING_POSE, aiding.take_pose),
+        SET_POSE: aided(SET_POSE, aiding.set_pose),
         END: lambda _: [*give(navigator.flush()), *strides.end()],
     }
 

@@ -12,6 +12,7 @@ from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
 from dead_reckoning.core.navigator_stage import kept, load_kernels, navigator_stage
 from dead_reckoning.core.stages import (
+    AIDING,
     BESIDE,
     STATISTIC,
     THRESHOLD,
@@ -98,6 +99,7 @@ def figures(navigator: InertialNavigator) -> dict[str, object]:
         'strides': navigator.strides.count,
         'distance': f'{navigator.strides.distance:.2f}',
         **navigator.counts,
+        **{f'{name.replace("/", "_")}_dropped': navigator.dropped[name] for name in AIDING},
     }
 
 

@@ -362,6 +362,8 @@ def test_what_can_not_be_used_is_refused_and_changes_nothing(name, sample, said)
     before, placed = found._state.copy(), found.counts['placed']
     (message,) = faults(chain, name, sample)
     assert said in message
+    assert message.startswith(f'{name}: ')
+    assert found.dropped == {name: 1}
     np.testing.assert_array_equal(found._state, before)
     assert found.counts['placed'] == placed
     assert not faults(chain, AIDING_POSE, pose(stamp_ns=STAMP))  # the first one still places
