@@ -171,9 +171,14 @@ class Aiding:
         self._last_ns[who] = sample.stamp_ns
 
     def _interval(self, who: int, stamp_ns: int) -> float:
-        """Return the time since the last one that was handed over [s]; 0 at the first."""
-        last_ns = self._last_ns.get(who, stamp_ns)
-        return min(abs(stamp_ns - last_ns) / NANOSECONDS, LONGEST_INTERVAL)
+        """Return the time since the last one that was handed over [s]; 0 at the first.
+
+        Where both have one stamp it is not 0, but so short that the second tells nothing new.
+        """
+        last_ns = self._last_ns.get(who)
+        if last_ns is None:
+            return 0.0
+        return min(max(1, abs(stamp_ns - last_ns)) / NANOSECONDS, LONGEST_INTERVAL)
 
     def _require_world(self, pose: PoseSample) -> None:
         if pose.frame_id not in ('', self._frames.world):

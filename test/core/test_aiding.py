@@ -341,6 +341,20 @@ def test_what_is_measured_in_a_gap_is_not_taken_after_it():
         assert (counts['aiding_twist'], counts['aiding_twist_refused']) == (0, 1)
 
 
+def test_what_is_said_twice_counts_once_where_errors_last():
+    variances = []
+    for times in (1, 2):
+        found, chain = begun(aiding_correlation=0.5, look_ahead=0.0)
+        for k in range(5):
+            told = velocity(tuple(LEVEL_WALK.velocity[NOW - 50 + 10 * k]), 'odom')
+            told = replace(told, stamp_ns=int(BLOCK.stamp_ns[NOW - 50 + 10 * k]))
+            for _ in range(times):
+                assert not chain.push(AIDING_TWIST, told)
+        assert found.counts['aiding_twist'] == 5 * times
+        variances.append(found._state[17 : 17 + 256].reshape(16, 16).diagonal()[3:6].copy())
+    np.testing.assert_allclose(variances[1], variances[0], rtol=1e-3)
+
+
 @pytest.mark.parametrize(
     ('name', 'sample', 'said'),
     [
