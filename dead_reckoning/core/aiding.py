@@ -155,8 +155,9 @@ class Aiding:
             if self._frames.mounting == 'parameters':
                 raise AidingError(
                     f'a velocity is in the frame {frame_id!r}, which is neither the body '
-                    f'{self._frames.body!r} nor the world {self._frames.world!r}: set frames.body '
-                    "or frames.world to it, or frames.mounting to 'tf', which knows it"
+                    f'{self._frames.body!r} nor the world {self._frames.world!r}: a GNSS has to '
+                    "name the world; else set frames.body to it, or frames.mounting to 'tf', "
+                    'which knows it'
                 )
             mounting = self._mountings(frame_id)
             rot_bs = matrix_from_quaternion(mounting.rotation)
