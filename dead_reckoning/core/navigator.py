@@ -131,7 +131,9 @@ class InertialNavigator:
         self._heard = self._silent = False  # a compass, ever, and lately
         self._waiting: deque[int] = deque()
         self._begin_ns = 0  # of the first sample that gets a state: those before were refused
-        self._state: Array = np.zeros(0)
+        if self.history is not None:
+            self.history.newer()  # of the way before
+        self._own_state: Array = np.zeros(0)
         self._rules: Array = np.zeros(0)
 
     def mount(self, rotation: Quaternion) -> None:
@@ -139,6 +141,14 @@ class InertialNavigator:
         self._mounted = matrix_from_quaternion(rotation)
         if self.aligned:
             self._rules = self._rules_with(self._rules[layout.GRAVITY])
+
+    @property
+    def _state(self) -> Array:
+        """The state of the filter, with all that came late."""
+        newer = self.history.newer() if self.history is not None else None
+        if newer is not None:
+            self._own_state[:] = newer
+        return self._own_state
 
     @property
     def newest_ns(self) -> int:
@@ -235,11 +245,9 @@ class InertialNavigator:
                 f'its stamp is {late:.3f} s behind the Imu, and states are kept for '
                 f'{self.settings.aiding_delay:g} s: raise navigator.aiding_delay, or send sooner'
             )
-        state = self.keep().insert(stamp_ns, kind, values)
-        if state is None:  # its sample is not filtered yet, or was when nothing was kept
+        if not self.keep().insert(stamp_ns, kind, values):
+            # Its sample is not filtered yet, or was when nothing was kept.
             self._aids.add(stamp_ns, kind, values)
-        else:
-            self._state[:] = state
 
     def begins_anew(self, imu: ImuSample) -> bool:
         """Say whether a sample makes it start all over, so that what waits comes out before.
@@ -419,7 +427,7 @@ class InertialNavigator:
             yaw, variance = found or (yaw, variance)
         still = int(self._rules[layout.STILL_SAMPLES])
         rings = 3 * still + layout.ROW * (self._detector.delay + 1)
-        self._state, self.aligned = first_state(rest, yaw, variance, self.settings, rings)
+        self._own_state, self.aligned = first_state(rest, yaw, variance, self.settings, rings)
         self.aligned += f', {rest.rate:.1f} samples a second'
 
     def _rules_with(self, gravity: float) -> Array:
