@@ -54,7 +54,7 @@ from dead_reckoning.core.rotation import (
 )
 from dead_reckoning.core.samples import UNMEASURED_VARIANCE, Vector
 
-UNKNOWN = 1e8
+UNKNOWN = 1e6
 """So many times a variance is as good as none; its inverse is far above rounding."""
 
 
