@@ -155,8 +155,9 @@ class Aiding:
             if self._frames.mounting == 'parameters':
                 raise AidingError(
                     f'a velocity is in the frame {frame_id!r}, which is neither the body '
-                    f'{self._frames.body!r} nor the world {self._frames.world!r}: set frames.body '
-                    "or frames.world to it, or frames.mounting to 'tf', which knows it"
+                    f'{self._frames.body!r} nor the world {self._frames.world!r}: a GNSS has to '
+                    "name the world; else set frames.body to it, or frames.mounting to 'tf', "
+                    'which knows it'
                 )
             mounting = self._mountings(frame_id)
             rot_bs = matrix_from_quaternion(mounting.rotation)
@@ -171,9 +172,14 @@ class Aiding:
         self._last_ns[who] = sample.stamp_ns
 
     def _interval(self, who: int, stamp_ns: int) -> float:
-        """Return the time since the last one that was handed over [s]; 0 at the first."""
-        last_ns = self._last_ns.get(who, stamp_ns)
-        return min(abs(stamp_ns - last_ns) / NANOSECONDS, LONGEST_INTERVAL)
+        """Return the time since the last one that was handed over [s]; 0 at the first.
+
+        Where both have one stamp it is not 0, but so short that the second tells nothing new.
+        """
+        last_ns = self._last_ns.get(who)
+        if last_ns is None:
+            return 0.0
+        return min(max(1, abs(stamp_ns - last_ns)) / NANOSECONDS, LONGEST_INTERVAL)
 
     def _require_world(self, pose: PoseSample) -> None:
         if pose.frame_id not in ('', self._frames.world):

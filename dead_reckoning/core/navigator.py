@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Sequence
 from concurrent.futures import Future
 
@@ -86,6 +86,8 @@ class InertialNavigator:
         self.settings = settings
         self.findings: list[DeadReckoningError] = []
         """What turned out to be wrong, for whoever reports it and clears it."""
+        self.dropped: Counter[str] = Counter()
+        """How much of what aids could not be used, by its topic."""
         self.history: History | None = None
         """Keeps what the filter takes, where somebody needs it."""
         self._of_detectors = of_detectors
@@ -129,7 +131,9 @@ class InertialNavigator:
         self._heard = self._silent = False  # a compass, ever, and lately
         self._waiting: deque[int] = deque()
         self._begin_ns = 0  # of the first sample that gets a state: those before were refused
-        self._state: Array = np.zeros(0)
+        if self.history is not None:
+            self.history.newer()  # of the way before
+        self._own_state: Array = np.zeros(0)
         self._rules: Array = np.zeros(0)
 
     def mount(self, rotation: Quaternion) -> None:
@@ -137,6 +141,14 @@ class InertialNavigator:
         self._mounted = matrix_from_quaternion(rotation)
         if self.aligned:
             self._rules = self._rules_with(self._rules[layout.GRAVITY])
+
+    @property
+    def _state(self) -> Array:
+        """The state of the filter, with all that came late."""
+        newer = self.history.newer() if self.history is not None else None
+        if newer is not None:
+            self._own_state[:] = newer
+        return self._own_state
 
     @property
     def newest_ns(self) -> int:
@@ -233,11 +245,9 @@ class InertialNavigator:
                 f'its stamp is {late:.3f} s behind the Imu, and states are kept for '
                 f'{self.settings.aiding_delay:g} s: raise navigator.aiding_delay, or send sooner'
             )
-        state = self.keep().insert(stamp_ns, kind, values)
-        if state is None:  # its sample is not filtered yet, or was when nothing was kept
+        if not self.keep().insert(stamp_ns, kind, values):
+            # Its sample is not filtered yet, or was when nothing was kept.
             self._aids.add(stamp_ns, kind, values)
-        else:
-            self._state[:] = state
 
     def begins_anew(self, imu: ImuSample) -> bool:
         """Say whether a sample makes it start all over, so that what waits comes out before.
@@ -417,7 +427,7 @@ class InertialNavigator:
             yaw, variance = found or (yaw, variance)
         still = int(self._rules[layout.STILL_SAMPLES])
         rings = 3 * still + layout.ROW * (self._detector.delay + 1)
-        self._state, self.aligned = first_state(rest, yaw, variance, self.settings, rings)
+        self._own_state, self.aligned = first_state(rest, yaw, variance, self.settings, rings)
         self.aligned += f', {rest.rate:.1f} samples a second'
 
     def _rules_with(self, gravity: float) -> Array:

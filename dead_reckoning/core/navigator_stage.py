@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
+from dead_reckoning.core import kernels
 from dead_reckoning.core.aiding import Aiding
 from dead_reckoning.core.blocks import Stamped, StateBlock
-from dead_reckoning.core.chain import END, FAULT, NOTICE, Output, Stage
+from dead_reckoning.core.chain import END, FAULT, NOTICE, Chain, Output, Stage
 from dead_reckoning.core.common import CommonSettings, FrameSettings
 from dead_reckoning.core.errors import NotLevelledError, RestartError, SampleError
+from dead_reckoning.core.kernels.navigation.filter import navigate
+from dead_reckoning.core.kernels.navigation.smoother import smooth
 from dead_reckoning.core.mounting import IDENTITY_MOUNTING, Mounting, Mountings, carried, unmounted
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
@@ -153,19 +157,30 @@ class StrideOutputs:
         return outputs
 
 
+def kept(settings: NavigatorSettings) -> bool:
+    """Say whether an earlier run has kept what takes long to compile."""
+    row, rows = np.zeros(1), np.zeros((1, 1))
+    filters = kernels.load(navigate, rows, rows, rows, row, row, rows, rows, rows)
+    if filters and settings.smoothing:
+        return kernels.load(smooth, rows, rows, row, rows, rows, rows)
+    return filters
+
+
 def load_kernels(settings: NavigatorSettings, common: CommonSettings, *own: Settings) -> None:
-    """Let a navigator of these settings align, so that the first samples need not wait for it.
+    """Let a navigator of these settings align, and end, so that samples need not wait for it.
 
     That takes a second, where the kernels have to be compiled ten or more.
     """
     settings = replace(settings, rest_duration=0.5, max_gap=0.5)
-    navigator = InertialNavigator(settings, common, *own)
+    chain = Chain([navigator_stage(InertialNavigator(settings, common, *own))])
     for k in range(60):
-        with suppress(NotLevelledError):
-            stamp_ns = (1 + k) * NANOSECONDS // 100
-            navigator.update(
-                ImuSample(stamp_ns, '', (0.0, 0.0, GRAVITY), angular_velocity=(0.0, 0.0, 0.0))
-            )
+        chain.push(
+            settings.input,
+            ImuSample(
+                (1 + k) * NANOSECONDS // 100, '', (0.0, 0.0, GRAVITY), angular_velocity=ZERO
+            ),
+        )
+    chain.end()
 
 
 def navigator_stage(
@@ -220,13 +235,24 @@ def navigator_stage(
         navigator.findings.clear()
         return outputs
 
+    def aided(name: str, take: Callable[[Any], None]) -> Callable[[Any], tuple[()]]:
+        def given(sample: Any) -> tuple[()]:
+            try:
+                take(sample)
+            except SampleError as error:
+                navigator.dropped[name] += 1
+                raise type(error)(f'{name}: {error}') from error
+            return ()
+
+        return given
+
     return {
         navigator.settings.input: take,
         COMPASS: _silent(navigator.follow_compass),
-        AIDING_TWIST: _silent(aiding.take_twist),
-        AIDING_ODOMETRY: _silent(aiding.take_odometry),
-        AIDING_POSE: _silent(aiding.take_pose),
-        SET_POSE: _silent(aiding.set_pose),
+        AIDING_TWIST: aided(AIDING_TWIST, aiding.take_twist),
+        AIDING_ODOMETRY: aided(AIDING_ODOMETRY, aiding.take_odometry),
+        AIDING_POSE: aided(AIDING_POSE, aiding.take_pose),
+        SET_POSE: aided(SET_POSE, aiding.set_pose),
         END: lambda _: [*give(navigator.flush()), *strides.end()],
     }
 

@@ -23,7 +23,7 @@ LONGEST_NS = 10 * NANOSECONDS
 LARGEST_LOG = 16
 """Updates of one sample at most, without what aids."""
 
-OF_AID = 3
+OF_AID = 5
 """Updates of one aid at most."""
 
 

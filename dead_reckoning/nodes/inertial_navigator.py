@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import time
 
 from dead_reckoning.configuration import NAVIGATOR
@@ -9,8 +10,9 @@ from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.kernels import SLOW, accelerated
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
-from dead_reckoning.core.navigator_stage import load_kernels, navigator_stage
+from dead_reckoning.core.navigator_stage import kept, load_kernels, navigator_stage
 from dead_reckoning.core.stages import (
+    AIDING,
     BESIDE,
     STATISTIC,
     THRESHOLD,
@@ -18,10 +20,14 @@ from dead_reckoning.core.stages import (
     navigator_outputs,
 )
 from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.compiling import PATIENCE, compiled_apart
+from dead_reckoning.nodes.run import StoppedError, stop_asked
 from dead_reckoning.nodes.transforms import mountings
 
-LONG = 5.0
-"""Loading kernels takes less [s]."""
+COMPILE = (
+    'import pickle, sys; from dead_reckoning.core.navigator_stage import load_kernels; '
+    'load_kernels(*pickle.load(sys.stdin.buffer))'
+)
 
 
 class InertialNavigatorNode(ChainNode):
@@ -45,15 +51,26 @@ class InertialNavigatorNode(ChainNode):
 
 
 def prepare(node: ChainNode) -> None:
-    """Load what an inertial navigator needs, before samples come that would have to wait."""
+    """Load what an inertial navigator needs, before samples come that would have to wait.
+
+    Where nothing is kept yet another process compiles it, as a signal is not heard meanwhile.
+    Raises `StoppedError` for one.
+    """
     settings = node.configuration[NavigatorSettings]
-    begin = time.perf_counter()
     own = [node.configuration[part] for part in settings.detector_parts]
-    load_kernels(settings, node.common, *own)
     if not accelerated():
         node.get_logger().warning(SLOW)
-    elif (took := time.perf_counter() - begin) > LONG:
-        node.get_logger().info(f'the kernels were compiled, once for all: {took:.0f} s')
+    elif not kept(settings):
+        node.get_logger().info('compiling the kernels, once for all: up to a minute')
+        compiled_apart([COMPILE], _given_up, pickle.dumps((settings, node.common, *own)))
+        if stop_asked():
+            raise StoppedError
+    load_kernels(settings, node.common, *own)
+
+
+def _given_up() -> bool:
+    time.sleep(PATIENCE)
+    return stop_asked()
 
 
 def serve(node: ChainNode, navigator: InertialNavigator) -> None:
@@ -82,6 +99,7 @@ def figures(navigator: InertialNavigator) -> dict[str, object]:
         'strides': navigator.strides.count,
         'distance': f'{navigator.strides.distance:.2f}',
         **navigator.counts,
+        **{f'{name.replace("/", "_")}_dropped': navigator.dropped[name] for name in AIDING},
     }
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import gc
 import os
-import subprocess
 import sys
 from threading import Event, Thread
 
 from dead_reckoning.core import kernels
 from dead_reckoning.live import LiveChain
 from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.compiling import PATIENCE, compiled_apart
 
 COMPILE = (
     'import os, sys; os.nice(19); '
@@ -19,9 +19,6 @@ COMPILE = (
 
 QUICK = 0.0005
 """How long [s] the traffic waits at most for Python, where that is loading; else it is 5 ms."""
-
-PATIENCE = 0.2
-"""How often [s] to look whether the compiler is done, and so the longest that an end waits."""
 
 
 def load(node: ChainNode, chain: LiveChain, say_slow: bool) -> None:
@@ -69,14 +66,4 @@ def _loaded(chain: LiveChain) -> bool:
 
 def _compiled(chain: LiveChain, ends: Event) -> bool:
     """Compile in another process; say whether that went well, and was waited for."""
-    with subprocess.Popen(
-        [sys.executable, '-c', COMPILE, type(chain).__name__],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,  # Ctrl-C is for the node
-    ) as compiler:
-        while compiler.poll() is None:
-            if ends.wait(PATIENCE):
-                compiler.terminate()
-    return compiler.returncode == 0
+    return compiled_apart([COMPILE, type(chain).__name__], lambda: ends.wait(PATIENCE))

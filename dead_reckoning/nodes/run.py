@@ -26,6 +26,15 @@ TURN = 86_400.0
 """How long [s] the executor runs at a time; the events executor hears nothing without any."""
 
 
+class StoppedError(Exception):
+    """A signal came while a node was made."""
+
+
+def stop_asked() -> bool:
+    """Say whether a signal came; who takes long to make a node looks now and then."""
+    return _StopRequest.asked
+
+
 def run(name: str) -> int:
     """Run the node of a module of this folder, its ``NODE``, until told to stop.
 
@@ -55,6 +64,8 @@ def run(name: str) -> int:
     try:
         if not stop.asked:
             _spin(make_node(), stop)
+    except StoppedError:
+        pass
     except DeadReckoningError as error:
         get_logger('dead_reckoning').fatal(str(error))
         return 2
@@ -84,14 +95,15 @@ class _StopRequest:
     """Takes note of Ctrl-C and SIGTERM."""
 
     SIGNALS = (signal.SIGINT, signal.SIGTERM)
+    asked = False
 
     def __init__(self) -> None:
-        self.asked = False
+        _StopRequest.asked = False
         for number in self.SIGNALS:
             signal.signal(number, self._note)
 
     def _note(self, number: int, frame: FrameType | None) -> None:
-        self.asked = True
+        _StopRequest.asked = True
 
     def ignore(self) -> None:
         """Let no signal disturb the end, where Python would put back the system's default."""

@@ -250,6 +250,18 @@ def test_a_lever_arm_of_the_sensor_is_where_the_body_is_not():
     assert found.counts['placed'] == 1
 
 
+def test_a_position_where_the_body_was_set_says_nothing_about_its_yaw():
+    """The sensor is a metre off, and by its yaw nobody knows where."""
+    found, chain = begun(Mounting(translation=(1.0, 0.0, 0.0)))
+    unknown = (HUGE, 0.0, 0.0, 0.0, HUGE, 0.0, 0.0, 0.0, HUGE)
+    of_yaw = (1e-4, 0.0, 0.0, 0.0, 1e-4, 0.0, 0.0, 0.0, 0.25)
+    assert not chain.push(SET_POSE, pose((4.0, 5.0, 6.0), 1.0, attitude_covariance=of_yaw))
+    assert not chain.push(AIDING_POSE, pose((4.0, 5.0, 6.0), attitude_covariance=unknown))
+    assert found.counts['aiding_pose'] == 1
+    variance = found._state[17 : 17 + 256].reshape(16, 16)[8, 8]
+    assert variance == pytest.approx(0.25, rel=0.01)
+
+
 def test_a_pose_of_rviz_is_one_in_a_plane():
     found, chain = begun()
     height, tilt = found._state[2], found._state[13:17].copy()
@@ -329,6 +341,20 @@ def test_what_is_measured_in_a_gap_is_not_taken_after_it():
         assert (counts['aiding_twist'], counts['aiding_twist_refused']) == (0, 1)
 
 
+def test_what_is_said_twice_counts_once_where_errors_last():
+    variances = []
+    for times in (1, 2):
+        found, chain = begun(aiding_correlation=0.5, look_ahead=0.0)
+        for k in range(5):
+            told = velocity(tuple(LEVEL_WALK.velocity[NOW - 50 + 10 * k]), 'odom')
+            told = replace(told, stamp_ns=int(BLOCK.stamp_ns[NOW - 50 + 10 * k]))
+            for _ in range(times):
+                assert not chain.push(AIDING_TWIST, told)
+        assert found.counts['aiding_twist'] == 5 * times
+        variances.append(found._state[17 : 17 + 256].reshape(16, 16).diagonal()[3:6].copy())
+    np.testing.assert_allclose(variances[1], variances[0], rtol=1e-3)
+
+
 @pytest.mark.parametrize(
     ('name', 'sample', 'said'),
     [
@@ -350,6 +376,8 @@ def test_what_can_not_be_used_is_refused_and_changes_nothing(name, sample, said)
     before, placed = found._state.copy(), found.counts['placed']
     (message,) = faults(chain, name, sample)
     assert said in message
+    assert message.startswith(f'{name}: ')
+    assert found.dropped == {name: 1}
     np.testing.assert_array_equal(found._state, before)
     assert found.counts['placed'] == placed
     assert not faults(chain, AIDING_POSE, pose(stamp_ns=STAMP))  # the first one still places

@@ -10,9 +10,11 @@ from random_recordings import assert_same_columns, recording
 from simulated_walks import measured, navigator, walk
 
 from dead_reckoning.configuration import Configuration
+from dead_reckoning.core import smoother
 from dead_reckoning.core.block_stages import navigator_block_stage
 from dead_reckoning.core.blocks import ImuBlock, Stamped, StateBlock
 from dead_reckoning.core.chain import FAULT, NOTICE, Chain
+from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import (
     GapError,
     MissingRateError,
@@ -20,7 +22,8 @@ from dead_reckoning.core.errors import (
     RestartError,
 )
 from dead_reckoning.core.mounting import Mounting
-from dead_reckoning.core.navigator_stage import navigator_stage
+from dead_reckoning.core.navigation.settings import NavigatorSettings
+from dead_reckoning.core.navigator_stage import load_kernels, navigator_stage
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import matrix_from_quaternion, quaternion_from_euler
 from dead_reckoning.core.samples import UNKNOWN
@@ -230,6 +233,14 @@ def test_a_sensor_in_g_is_told_from_one_that_moves(strides):
     assert all('keep the device still' in text for text in said[:99])
     assert sum('most likely the unit is g instead of m/s²' in text for text in said[100:]) > 240
     assert not any('keep the device still' in text for text in said[100:])
+
+
+@pytest.mark.parametrize('smoothing', [False, True])
+def test_kernels_are_loaded_before_the_first_stride_needs_them(smoothing, monkeypatch):
+    called = []
+    monkeypatch.setattr(smoother, 'smooth', lambda *arguments: called.append(arguments))
+    load_kernels(NavigatorSettings(smoothing=smoothing), CommonSettings())
+    assert bool(called) is smoothing
 
 
 def test_a_restart_loses_no_state(strides):

@@ -158,6 +158,9 @@ def test_switches_refusals_and_set_pose(ros):
             'inertial_navigator', lambda s, why=why: why in s.message, f'why not: {why}'
         )
         assert int(figures(status)['placed']) == 0
+        assert 'aiding/pose: ' in status.message
+    status = figures(status)
+    assert [status[f'{t}_dropped'] for t in ('aiding_pose', 'aiding_twist')] == ['3', '0']
     walker.send(AIDING_TWIST, twist(at(190), (9.0, 9.0, 9.0)))
     there = pose(0, (7.0, -3.0, 0.0))
     there.pose.covariance[[21, 28]] = 0.0

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
@@ -120,6 +121,17 @@ def test_where_nothing_is_kept_it_starts_at_once_and_ends_while_compiling(
     assert node.end(signal.SIGINT) == 0
     assert 'Traceback' not in node.stderr
     assert not compiler.exists()
+
+
+def test_a_navigator_that_has_to_compile_first_hears_a_signal(ros, tmp_path, monkeypatch):
+    pytest.importorskip('numba')
+    monkeypatch.setenv('NUMBA_CACHE_DIR', str(tmp_path / 'empty'))
+    node = ros.start('inertial_navigator')
+    ros.until(lambda: 'compiling the kernels' in node.stderr, 'the compiler')
+    begin = time.monotonic()
+    assert node.end(signal.SIGINT) == 0
+    assert time.monotonic() - begin < 5.0
+    assert node.stderr.count('\n') == 1
 
 
 def test_without_numba_it_says_so_once_and_goes_on(tmp_path, monkeypatch, request):

@@ -8,11 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from dead_reckoning.core.blocks import Array, Stamps
+from dead_reckoning.core.errors import AidingError
 from dead_reckoning.core.kernels.navigation import layout
 from dead_reckoning.core.samples import NANOSECONDS
 
-LONGEST = 256
-"""So many wait at most: more are ahead of the samples by more than any transport is."""
+LONGEST = 4096
+"""So many wait at most: a second of four thousand."""
 
 NO_AIDS = np.empty((0, layout.AID_ROW))
 
@@ -30,7 +31,7 @@ class Aids:
     """
 
     def __init__(self) -> None:
-        self.waiting: deque[tuple[int, int, Sequence[float]]] = deque(maxlen=LONGEST)
+        self.waiting: deque[tuple[int, int, Sequence[float]]] = deque()
         """Stamp [ns], kind and values of each."""
 
     @property
@@ -46,7 +47,14 @@ class Aids:
         return any(kind == layout.NORTH for _, kind, _ in told)
 
     def add(self, stamp_ns: int, kind: int, values: Sequence[float]) -> None:
-        """Take one, of a kind of `layout`; its age is added to the values."""
+        """Take one, of a kind of `layout`; its age is added to the values.
+
+        Raises `AidingError` where too many wait.
+        """
+        if len(self.waiting) >= LONGEST:
+            raise AidingError(
+                f'{LONGEST} others wait for Imu samples of their time: is there still an Imu?'
+            )
         self.waiting.append((stamp_ns, kind, values))
 
     def due(self, stamps: Stamps, first: int, rows: int) -> Array:
@@ -55,13 +63,14 @@ class Aids:
         ``stamps`` are those of the samples that are not filtered yet, of which sample i is
         filtered with row ``first`` + i.
         """
-        made, kept = [], deque(self.waiting)
-        self.waiting.clear()
+        made, kept = [], self.waiting
+        self.waiting = deque()
+        last_ns = int(stamps[min(rows - first, len(stamps)) - 1])
         for stamp_ns, kind, values in kept:
-            index = int(np.searchsorted(stamps, stamp_ns))
-            if index + first >= rows or index == len(stamps):
+            if stamp_ns > last_ns:
                 self.waiting.append((stamp_ns, kind, values))
                 continue
+            index = int(np.searchsorted(stamps, stamp_ns))
             made.append(aid_row(index + first, kind, values, int(stamps[index]) - stamp_ns))
         return np.array(sorted(made, key=lambda row: row[0])) if made else NO_AIDS
 

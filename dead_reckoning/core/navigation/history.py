@@ -84,14 +84,37 @@ class History:
     """
 
     def __init__(self, span: float) -> None:
-        self.stretches: deque[Stretch] = deque()
         self.needed_ns: int | None = None
         """Stamp from which on all is kept, however long ago; None where nobody needs it."""
         self._span_ns = span * NANOSECONDS
+        self._stretches: deque[Stretch] = deque()
+        self._again: int | None = None  # the stretch from which on to filter once more
+        self._now: Array | None = None
+
+    @property
+    def stretches(self) -> deque[Stretch]:
+        """What is kept, each stretch with the state before it, all that was inserted in it."""
+        if self._again is not None:
+            state: Array = self._stretches[self._again].state.copy()
+            out = np.empty((STRETCH, layout.STATE_ROW))
+            for at in range(self._again, len(self._stretches)):
+                self._stretches[at].state[:] = state
+                self._stretches[at].run(state, out)
+            self._again, self._now = None, state
+        return self._stretches
+
+    def newer(self) -> Array | None:
+        """Return the state of now, if what was inserted since the last time changed it."""
+        if self._again is None and self._now is None:
+            return None
+        _ = self.stretches
+        now, self._now = self._now, None
+        return now
 
     def clear(self) -> None:
         """Forget all; what is needed is needed from the start on."""
-        self.stretches.clear()
+        self._stretches.clear()
+        self._again = self._now = None
         self.needed_ns = None if self.needed_ns is None else 0
 
     def add(
@@ -104,7 +127,8 @@ class History:
         state: Array,
     ) -> None:
         """Keep what a filter is about to take, and drop what is too long ago."""
-        last = self.stretches[-1] if self.stretches else None
+        stretches = self.stretches
+        last = stretches[-1] if stretches else None
         begins = bool(state[layout.SEEN] == 0.0 and state[layout.WAITING] == 0.0)
         if begins and self._span_ns < inf:
             self.clear()
@@ -120,7 +144,7 @@ class History:
             late = last.stamps[len(last.stamps) - waiting :] if last and waiting else array('q')
             first = int(rules[layout.DELAY]) - len(late)  # those that nobody kept have no stamp
             last = Stretch(state.copy(), rules, begins, late, first)
-            self.stretches.append(last)
+            stretches.append(last)
         last.add(samples, verdicts, aids, stamps)
         if len(stamps):
             self._forget(int(stamps[-1]))
@@ -129,36 +153,32 @@ class History:
         from_ns = newest_ns - self._span_ns
         if self.needed_ns is not None:
             from_ns = min(from_ns, self.needed_ns)
-        stretches = self.stretches
+        stretches = self._stretches
         while len(stretches) > 1 and stretches[1].stamps[0] <= from_ns:
             stretches.popleft()
 
-    def insert(self, stamp_ns: int, kind: int, values: Sequence[float]) -> Array | None:
-        """Take what is known of a sample that is filtered already; return the state of now.
+    def insert(self, stamp_ns: int, kind: int, values: Sequence[float]) -> bool:
+        """Take what is known of a sample that is filtered already; `newer` has what comes of it.
 
-        None says that the sample is not filtered yet, or not kept, and nothing changed.
+        However many are inserted before that, it is all filtered once.  False says that the sample
+        is not filtered yet, or not kept, and nothing changed.
         """
         found = self._find(stamp_ns)
         if found is None:
-            return None
+            return False
         begin, index = found
-        stretch = self.stretches[begin]
+        stretch = self._stretches[begin]
         row = aid_row(stretch.first + index, kind, values, stretch.stamps[index] - stamp_ns)
         aids = np.concatenate((stretch.aids, [row]))
         stretch.aids = aids[np.argsort(aids[:, 0], kind='stable')]
-        state: Array = stretch.state.copy()
-        out = np.empty((STRETCH, layout.STATE_ROW))
-        for at in range(begin, len(self.stretches)):
-            stretch = self.stretches[at]
-            stretch.state[:] = state
-            stretch.run(state, out)
-        return state
+        self._again = begin if self._again is None else min(begin, self._again)
+        return True
 
     def _find(self, stamp_ns: int) -> tuple[int, int] | None:
         """Return in which stretch, and where, the first filtered sample not before a stamp is."""
         found = None
-        for at in range(len(self.stretches) - 1, -1, -1):
-            stretch = self.stretches[at]
+        for at in range(len(self._stretches) - 1, -1, -1):
+            stretch = self._stretches[at]
             index = bisect_left(stretch.stamps, stamp_ns, hi=stretch.filtered)
             if index < stretch.filtered:
                 found = at, index

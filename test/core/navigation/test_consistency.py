@@ -37,7 +37,7 @@ def at_the_start(true, **settings):
         floor=False, look_ahead=0.0, **settings,
     ), []  # fmt: skip
     found.history = SimpleNamespace(
-        add=lambda *given: kept.append([np.copy(each) for each in given])
+        newer=lambda: None, add=lambda *given: kept.append([np.copy(each) for each in given])
     )
     block = true.block()
     while not found.aligned:

@@ -9,7 +9,8 @@ from simulated_walks import START_NS, measured, navigator, walk
 from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.errors import AidingError, NotLevelledError
 from dead_reckoning.core.kernels.navigation import layout
-from dead_reckoning.core.navigation.history import STRETCH
+from dead_reckoning.core.navigation.aids import LONGEST
+from dead_reckoning.core.navigation.history import STRETCH, Stretch
 from dead_reckoning.core.smoother import Smoother
 
 WALK = measured(walk(strides=4, turn=0.4, mounted=np.eye(3)), 1)
@@ -145,6 +146,64 @@ def test_however_many_there_are_of_a_sample_it_can_be_smoothed():
         ends.append(StateBlock.join(list(record.blocks())[::-1]))
     np.testing.assert_allclose(ends[1].position, ends[0].position, atol=1e-7)
     np.testing.assert_allclose(ends[1].velocity, ends[0].velocity, atol=1e-6)
+
+
+def test_however_many_come_late_between_two_samples_it_is_filtered_once_more(monkeypatch):
+    filtered = []
+    run = Stretch.run
+    monkeypatch.setattr(Stretch, 'run', lambda self, *a: filtered.append(self) or run(self, *a))
+    found = navigator()
+    found.keep()
+    for index in range(399):
+        with suppress(NotLevelledError):
+            found.update(BLOCK.sample(index))
+    for part in range(50):
+        stamp_ns = int(BLOCK.stamp_ns[330]) + part * 1_000_000
+        found.follow(stamp_ns, layout.VECTOR, velocity(330 + part // 5))
+    found.update(BLOCK.sample(399))
+    assert found._state[TAKEN : TAKEN + 2].sum() == 50.0
+    assert len(filtered) == len({id(stretch) for stretch in filtered})
+
+
+@pytest.mark.parametrize('again', ['reset', 'restart'])
+def test_what_came_late_before_a_new_start_is_not_taken_after_it(again):
+    ends = []
+    for late in (False, True):
+        found = navigator()
+        found.keep()
+        for index in range(400):
+            with suppress(NotLevelledError):
+                found.update(BLOCK.sample(index))
+        if late:
+            found.follow(int(BLOCK.stamp_ns[380]), layout.VECTOR, velocity(380))
+        if again == 'reset':
+            found.reset()
+        block = WALK.block(START_NS - 60_000_000_000)
+        for index in range(300):
+            with suppress(NotLevelledError):
+                found.update(block.sample(index))
+            assert found.counts['aiding_twist'] == 0
+        ends.append(found._state)
+    np.testing.assert_array_equal(*ends)
+
+
+def test_what_waits_for_its_samples_is_not_lost_however_much_there_is():
+    """Wheels that tell their speed a thousand times a second, and a detector that looks ahead."""
+    found, told = navigator(look_ahead=0.3), 0
+    for index in range(400):
+        with suppress(NotLevelledError):
+            found.update(BLOCK.sample(index))
+        for part in range(5 if index >= 200 else 0):
+            stamp_ns = int(BLOCK.stamp_ns[index]) + part * 1_000_000
+            found.follow(stamp_ns, layout.VECTOR, velocity(index))
+            told += 1
+    found.flush()
+    assert told - 5 <= found._state[TAKEN : TAKEN + 2].sum() <= told
+    ahead_ns = stamp_ns + 500_000_000
+    for _ in range(LONGEST - len(found._aids.waiting)):
+        found.follow(ahead_ns, layout.VECTOR, velocity(index))
+    with pytest.raises(AidingError, match=r'4096 others wait .* is there still an Imu'):
+        found.follow(ahead_ns, layout.VECTOR, velocity(index))
 
 
 def test_a_restart_forgets_what_was_before():

@@ -250,7 +250,7 @@ def test_blocks_give_what_the_stream_gives(detector):
 def test_covariances_are_those_of_position_velocity_attitude_and_rate():
     found, kept = navigator(), []
     found.history = SimpleNamespace(
-        add=lambda *given: kept.append([np.copy(each) for each in given])
+        newer=lambda: None, add=lambda *given: kept.append([np.copy(each) for each in given])
     )
     streamed(found, WALK.block().part(0, 760))
     samples, verdicts = (np.concatenate([each[i] for each in kept]) for i in (0, 1))

@@ -14,6 +14,7 @@ from dead_reckoning.core.kernels.navigation.layout import ERRORS
 from dead_reckoning.core.kernels.navigation.smoother import _undo, smooth
 from dead_reckoning.core.kernels.navigation.strapdown import carry
 from dead_reckoning.core.navigation import history
+from dead_reckoning.core.navigation.aids import NO_AIDS, aid_row
 from dead_reckoning.core.smoother import Smoother
 
 WALK = measured(walk(strides=4, turn=0.4), 1)
@@ -30,16 +31,35 @@ def smoothed(block=None, stretch=200, monkeypatch=None, **settings):
     return states, StateBlock.join(list(record.blocks())[::-1])
 
 
-def test_it_is_that_of_rauch_tung_and_striebel():
-    found, kept = navigator(floor=False), []
+def aids_of(states, rows):
+    """Return velocities and positions, all a little off those of the states of some rows."""
+    half, told = (0.01, 0.002, 0.0, 0.02, -0.003, 0.04), []
+    for row in rows:
+        off = 0.05 * np.sin(row + np.arange(3))
+        for what, value in (
+            (layout.WORLD_VELOCITY, states[row, 3:6]),
+            (layout.WORLD_POSITION, states[row, :3]),
+        ):
+            values = (what, layout.BY_TWIST, 0.1, *(value + off), *half, *3 * (0.0,))
+            told.append(aid_row(row, layout.VECTOR, values, 0))
+    return np.array(told) if told else NO_AIDS
+
+
+@pytest.mark.parametrize('every', [None, 40])
+def test_it_is_that_of_rauch_tung_and_striebel(every):
+    found, kept = navigator(floor=False, aiding_gate=1e3), []
     found.history = SimpleNamespace(
-        add=lambda *given: kept.append([np.copy(each) for each in given])
+        newer=lambda: None, add=lambda *given: kept.append([np.copy(each) for each in given])
     )
     streamed(found, WALK.block().part(0, 1100))
     samples = np.concatenate([each[0] for each in kept])
     verdicts = np.concatenate([each[1] for each in kept])
     rules, state = kept[0][4], kept[0][5]
-    out, trace, log = filtered(rules, state, samples, verdicts)
+    alone, _, _ = filtered(rules, state.copy(), samples, verdicts)
+    aids = aids_of(alone, range(300, len(alone), every) if every else ())
+    out, trace, log = filtered(rules, state, samples, verdicts, aids)
+    taken = state[layout.COUNTS + layout.AIDED + 2 * layout.BY_TWIST]
+    assert taken == len(aids)
     n, causal = len(out), out.copy()
     smooth(trace, log, rules, np.zeros((16, 1)), np.zeros((16, 16)), out)
     used = slice(0, 15)  # the floor takes no part

@@ -139,10 +139,18 @@ def test_a_pose_is_set_and_the_velocity_turns_along():
     np.testing.assert_allclose(state[:3], np.array((5.0, 6.0, 7.0)) + turn.apply(ARM))
     np.testing.assert_allclose(rotation.inv().apply(state[3:6]), before, atol=1e-9)
     p = state[layout.COVARIANCE : layout.COVARIANCE + 256].reshape(16, 16)
-    np.testing.assert_allclose(p[:3, :3][np.triu_indices(3)], half)
-    np.testing.assert_allclose(p[6:9, 6:9][np.triu_indices(3)], of_attitude)
+    np.testing.assert_allclose(p[6:9, 6:9][np.triu_indices(3)], of_attitude, rtol=1e-6, atol=1e-9)
     np.testing.assert_array_equal(p, p.T)
-    assert not p[:3, 3:].any()
+    # It is the point at −ARM from the sensor: p_s = p + R ARM, δp_s = δp + θ × R ARM.
+    x, y, z = turn.apply(ARM)
+    h = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+    told = np.zeros((3, 3))
+    told[np.triu_indices(3)] = half
+    told += np.triu(told, 1).T
+    np.testing.assert_allclose(p[:3, 6:9], h @ p[6:9, 6:9], rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(p[:3, :3], told + h @ p[6:9, 6:9] @ h.T, rtol=1e-5)
+    assert not p[:3, 3:6].any()
+    assert not p[:3, 9:].any()
     assert not p[6:9, 9:].any()
 
 

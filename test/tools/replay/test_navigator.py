@@ -94,7 +94,8 @@ def test_aiding_of_a_bag_is_taken_and_its_faults_are_counted(tmp_path, capsys, f
         assert summary['samples'] == 600
         assert summary['dropped'].get('AidingError', 0) == (5 if remap else 0)
         ends.append(summary['end_position_m'])
-    assert '5 × AidingError: the covariance of the velocity is' in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert '5 × AidingError: aiding/odom: the covariance of the velocity is' in said
     assert np.linalg.norm(np.subtract(*ends)) > 0.01
 
 

@@ -54,6 +54,9 @@ from dead_reckoning.core.rotation import (
 )
 from dead_reckoning.core.samples import UNMEASURED_VARIANCE, Vector
 
+UNKNOWN = 1e6
+"""So many times a variance is as good as none; its inverse is far above rounding."""
+
 
 def follow_vector(aid: Array, rate: Vector, f: Filter) -> None:
     """Take a velocity or a position of a point of the body; ``rate`` [rad/s] is the sample's.
@@ -170,9 +173,11 @@ def _square(rows: Array, y: Vector, f: Filter) -> float:
 def place(aid: Array, f: Filter) -> None:
     """Set position and attitude to a pose, but for what it does not know.
 
-    The velocity along the axes of the body stays.
+    The velocity along the axes of the body stays.  What is set is where a point of the body is, so
+    the error of the sensor's position is that of the attitude, too: the position counts as unknown
+    and the point is measured there.
     """
-    state = f.state
+    state, rows = f.state, np.zeros((3, ERRORS))
     sets_yaw = aid[20] < UNMEASURED_VARIANCE
     sets_tilt = sets_yaw and max(aid[15], aid[18]) < UNMEASURED_VARIANCE
     attitude = (aid[11], aid[12], aid[13], aid[14])
@@ -193,10 +198,24 @@ def place(aid: Array, f: Filter) -> None:
             f.h[POSITION + i] = 1.0
             state[FLOOR_KNOWN] = 0.0  # another place may have another one
     f.h[FLOOR] = f.h[POSITION + 2]
-    marks = (f.h[0], f.h[1], f.h[2]), (f.h[ATTITUDE], f.h[ATTITUDE + 1], f.h[ATTITUDE + 2])
+    sets = (f.h[0], f.h[1], f.h[2])
+    marks = (f.h[ATTITUDE], f.h[ATTITUDE + 1], f.h[ATTITUDE + 2])
     forget(f)
-    _put_half(f.p, POSITION, aid[5:11], marks[0])
-    _put_half(f.p, ATTITUDE, aid[15:21], marks[1])
+    _put_half(f.p, ATTITUDE, aid[15:21], marks)
+    _turns((-away[0], -away[1], -away[2]), rows)
+    for i, variance in enumerate((aid[5], aid[8], aid[10])):
+        rows[i, POSITION + i] = 1.0
+        if sets[i] > 0.0:
+            for a in range(ATTITUDE, ATTITUDE + 3):
+                variance += 3.0 * rows[i, a] * rows[i, a] * f.p[a, a]
+            f.p[i, i] = UNKNOWN * variance
+    _whiten(aid[5:11], (0.0, 0.0, 0.0), rows)
+    for i in range(3):
+        if sets[i] > 0.0:
+            for a in range(ERRORS):
+                f.h[a] = rows[i, a]
+            measure(f, 0.0, 1.0)
+    inject(f)
     state[COUNTS + PLACED] += 1.0
 
 
