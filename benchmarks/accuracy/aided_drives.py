@@ -262,8 +262,9 @@ def _samples(
     for k, now in enumerate(drawn.time.tolist()):
         yield RAW, block.sample(k)
         stamp_ns = int(block.stamp_ns[k])
-        rotation, position = Rotation.from_matrix(drawn.rotation[k]), drawn.position[k]
+        position = drawn.position[k]
         if k == begin:
+            rotation = Rotation.from_matrix(drawn.rotation[k])
             attitude = tuple((turn * rotation).as_quat().tolist())
             yield SET_POSE, PoseSample(
                 stamp_ns, '', tuple(position.tolist()), _diagonal(EXACT, EXACT, EXACT),
@@ -278,7 +279,7 @@ def _samples(
             velocity = tuple((drawn.velocity[k] + SPEED * noise).tolist())
             yield aid.topic, VelocitySample(stamp_ns, 'odom', velocity, known)
         elif aid.topic == AIDING_ODOMETRY:
-            forward = float(rotation.inv().apply(drawn.velocity[k])[0] + SPEED * noise[0])
+            forward = float(drawn.rotation[k, :, 0] @ drawn.velocity[k] + SPEED * noise[0])
             known = _diagonal(SPEED**2, UNMEASURED_VARIANCE, UNMEASURED_VARIANCE)
             yield aid.topic, VelocitySample(stamp_ns, '', (forward, 0.0, 0.0), known)
         else:
