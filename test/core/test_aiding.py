@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from moving_state import LEVEL_WALK
 from scipy.spatial.transform import Rotation
-from simulated_walks import measured, navigator
+from simulated_walks import blocks_of, measured, navigator
 
 from dead_reckoning.core.aiding import Aiding
 from dead_reckoning.core.chain import FAULT, Chain
@@ -142,6 +142,32 @@ def test_the_first_pose_places_the_body_and_later_ones_are_measured():
     assert found.counts['aiding_pose'] + found.counts['aiding_pose_refused'] == 1
     assert found.counts['aiding_yaw'] + found.counts['aiding_yaw_refused'] == 1
     assert found.counts['placed'] == 1
+
+
+@pytest.mark.parametrize('ahead_ns', [None, 0, 50_000_000])
+def test_a_body_that_is_placed_while_samples_wait_did_not_walk_there(ahead_ns):
+    """In the last stance, now or at a stamp that is still to come, sample by sample or not."""
+    at = len(BLOCK) - 200
+    stamp_ns = 0 if ahead_ns is None else int(BLOCK.stamp_ns[at - 1]) + ahead_ns
+    walked = []
+    for blocks in (False, True):
+        found = navigator()
+        for begin, end in ((0, at), (at, len(BLOCK))):
+            part = BLOCK.part(begin, end)
+            if begin:
+                walked.append((found.strides.count, found.strides.distance))
+                Aiding(found).set_pose(pose((100.0, -50.0, 7.0), stamp_ns=stamp_ns))
+            if blocks:
+                blocks_of(found, part)
+            else:
+                for index in range(len(part)):
+                    with suppress(NotLevelledError):
+                        found.update(part.sample(index))
+        assert found.counts['placed'] == 1
+        walked.append((found.strides.count, found.strides.distance))
+    assert walked[0][0] == walked[1][0] > 5
+    assert walked[1][1] == pytest.approx(walked[0][1], abs=0.01)
+    assert walked[3] == pytest.approx(walked[1], abs=1e-9)
 
 
 def test_a_pose_without_a_yaw_places_but_does_not_turn():
