@@ -18,12 +18,11 @@ ROW = 8
 A step below 0 stands for no sample: one that waits for its verdict is taken."""
 
 AID_ROW = 25
-"""Columns of what else is known of a sample: row with which that sample is filtered, kind, values.
-"""
+"""Columns of what else is known of a sample: row with which that sample is filtered, time after
+the sample [s], 0 or less, kind, values.  So they are taken in lexicographic order."""
 
 YAW, NORTH, LEVEL, VECTOR, PLACE = range(5)
-"""Kinds of these, and their values, which end with the time [s] by which they are older than the
-sample.  Yaw [rad], its variance, times [s] since the one before, for which its error lasts, and
+"""Kinds of these, and their values.  Yaw [rad], its variance, times [s] since the one before, for which its error lasts, and
 for which it may be refused, who measures it; the first yaw there is, and its variance; mean force
 and rate of a rest (6), their variances; a vector that is measured: what it is, who measures it,
 time [s] since the one before, values (3), covariance (its upper half, 6), arm (3); a pose that is
