@@ -24,7 +24,7 @@ def aid_row(row: int, kind: int, values: Sequence[float], age_ns: int) -> tuple[
 
 
 def in_order(aids: Array) -> Array:
-    """Return aids, shape (m, AID_ROW), in the order of their rows and, of one row, of their stamps.
+    """Return aids, shape (m, AID_ROW), in the order of their rows, and of their stamps in each.
 
     Nothing depends on which came first.
     """

@@ -20,6 +20,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     ERRORS,
     FLOOR,
     FLOOR_KNOWN,
+    MOVES,
     PLACED,
     POSITION,
     RATE_BIAS,
@@ -54,6 +55,9 @@ from dead_reckoning.core.rotation import (
 )
 from dead_reckoning.core.samples import UNMEASURED_VARIANCE, Vector
 
+MOVING = 1.5
+"""Time [s] for which a velocity shows that the body moves: a GNSS gives one each second."""
+
 
 def follow_vector(aid: Array, rate: Vector, f: Filter) -> None:
     """Take a velocity or a position of a point of the body; ``rate`` [rad/s] is the sample's.
@@ -61,24 +65,30 @@ def follow_vector(aid: Array, rate: Vector, f: Filter) -> None:
     Its axes are turned and scaled such that their errors are independent, of variance 1: with
     L Lᵀ its covariance, L⁻¹ y and L⁻¹ H.  Where an error lasts, the more there are in that time,
     by the interval [s], the less each counts.  What is refused for too long shows that the filter
-    is wrong, by as much as can be seen.
+    is wrong, by as much as can be seen.  A velocity that is none of a body at rest, refused or
+    not, says for `MOVING` that what looks like rest is a steady drive.
     """
     state, rules, who = f.state, f.rules, int(aid[4])
     if state[STEP] == 0.0 and aid[1] < 0.0:  # of a gap, after which nothing is as it was
         state[COUNTS + AIDED + 2 * who + 1] += 1.0
         return
+    what, half = int(aid[3]), aid[9:15]
+    if what != WORLD_POSITION:
+        known = half[0], half[1], half[2], half[3], half[4], half[5]
+        if normalized_square(known, triple(aid[6:9])) > rules[AIDING_GATE]:
+            state[MOVES] = MOVING
     rows = np.zeros((3, ERRORS))
     since = -aid[1] - 0.5 * rules[AVERAGING] * state[STEP]  # a mean shows the middle of its time
-    y = _innovation(int(aid[3]), triple(aid[6:9]), triple(aid[15:18]), since, rate, f, rows)
+    y = _innovation(what, triple(aid[6:9]), triple(aid[15:18]), since, rate, f, rows)
     seen = y
-    y = _whiten(aid[9:15], y, rows)
+    y = _whiten(half, y, rows)
     excess = _square(rows, y, f) > rules[AIDING_GATE]
     if not believed(f, AID_REFUSED + who, excess, aid[5], rules[AIDING_PATIENCE]):
         state[COUNTS + AIDED + 2 * who + 1] += 1.0
         return
     if excess:
-        of = POSITION if int(aid[3]) == WORLD_POSITION else VELOCITY
-        if int(aid[3]) == BODY_VELOCITY:
+        of = POSITION if what == WORLD_POSITION else VELOCITY
+        if what == BODY_VELOCITY:
             seen = rotate(matrix_from_quaternion(attitude_of(state)), seen)
         for i in range(3):
             f.p[of + i, of + i] += seen[i] * seen[i]
