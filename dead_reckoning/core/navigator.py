@@ -56,8 +56,9 @@ from dead_reckoning.core.work import Work
 
 NO_STAMPS = np.empty(0, np.int64)
 
-AHEAD_NS = NANOSECONDS
-"""A measurement with a stamp that is ahead of the samples by more has another clock."""
+AHEAD = 1.0
+"""A measurement that is ahead of the samples by more time [s], and `aiding_delay`, has another
+clock."""
 
 
 class InertialNavigator:
@@ -225,10 +226,12 @@ class InertialNavigator:
                 'a velocity or pose came before the alignment: keep the device still for '
                 f'{self.settings.rest_duration:g} s'
             )
-        if stamp_ns - newest_ns > AHEAD_NS:
-            ahead = (stamp_ns - newest_ns) / NANOSECONDS
-            raise AidingError(f'its stamp is {ahead:.3f} s ahead of the Imu: check the clocks')
         late = (newest_ns - stamp_ns) / NANOSECONDS
+        if -late > max(AHEAD, self.settings.aiding_delay):
+            raise AidingError(
+                f'its stamp is {-late:.3f} s ahead of the Imu: check the clocks, or raise '
+                'navigator.aiding_delay where a recording is played fast'
+            )
         if late > self.settings.aiding_delay:
             raise AidingError(
                 f'its stamp is {late:.3f} s behind the Imu, and states are kept for '

@@ -119,8 +119,12 @@ def test_what_is_too_old_is_refused_and_changes_nothing():
     with pytest.raises(AidingError, match=r'0\.600 s behind the Imu.* navigator\.aiding_delay'):
         found.follow(stamp_ns, layout.VECTOR, velocity(300))
     np.testing.assert_array_equal(found._state, before)
+    ahead_ns = int(BLOCK.stamp_ns[-1]) + 1_500_000_000
     with pytest.raises(AidingError, match=r'1\.500 s ahead of the Imu: check the clocks'):
-        found.follow(int(BLOCK.stamp_ns[-1]) + 1_500_000_000, layout.VECTOR, velocity(300))
+        found.follow(ahead_ns, layout.VECTOR, velocity(300))
+    np.testing.assert_array_equal(found._state, before)
+    found, _ = walked(0, aiding_delay=2.0)
+    found.follow(ahead_ns, layout.VECTOR, velocity(300))
 
 
 def test_before_the_alignment_it_is_refused():
