@@ -67,8 +67,9 @@ NOTHING_ELSE = {
     f'navigator.{name}': value
     for name, value in {
         'zero_velocity': False, 'zero_rate': False, 'nonholonomic': False, 'sampling_noise': 0.0,
-        'averaging': 0.0, 'acceleration_walk': 0.0, 'rate_walk': 0.0, 'aiding_angle': 0.0,
-        'aiding_correlation': 0.0, 'acceleration_noise': SENSOR['force_noise'],
+        'averaging': 0.0, 'acceleration_walk': 0.0, 'rate_walk': 0.0, 'rate_scale': 0.0,
+        'aiding_angle': 0.0, 'aiding_correlation': 0.0,
+        'acceleration_noise': SENSOR['force_noise'],
         'rate_noise': SENSOR['rate_noise'], 'acceleration_bias': 0.05,
         'rate_bias': SENSOR['rate_bias'],
     }.items()
