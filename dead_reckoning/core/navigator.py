@@ -56,8 +56,9 @@ from dead_reckoning.core.work import Work
 
 NO_STAMPS = np.empty(0, np.int64)
 
-AHEAD_NS = NANOSECONDS
-"""A measurement with a stamp that is ahead of the samples by more has another clock."""
+AHEAD = 1.0
+"""A measurement that is ahead of the samples by more time [s], and `aiding_delay`, has another
+clock."""
 
 
 class InertialNavigator:
@@ -127,6 +128,7 @@ class InertialNavigator:
         self._alignment = Alignment(self.settings)
         self._search: Alignment | None = None
         self._aids = Aids()
+        self._jumps: list[int] = []  # stamps at which the body is to be placed
         self._to_north = False  # whether the yaw is one of a compass
         self._heard = self._silent = False  # a compass, ever, and lately
         self._waiting: deque[int] = deque()
@@ -236,10 +238,12 @@ class InertialNavigator:
                 'a velocity or pose came before the alignment: keep the device still for '
                 f'{self.settings.rest_duration:g} s'
             )
-        if stamp_ns - newest_ns > AHEAD_NS:
-            ahead = (stamp_ns - newest_ns) / NANOSECONDS
-            raise AidingError(f'its stamp is {ahead:.3f} s ahead of the Imu: check the clocks')
         late = (newest_ns - stamp_ns) / NANOSECONDS
+        if -late > max(AHEAD, self.settings.aiding_delay):
+            raise AidingError(
+                f'its stamp is {-late:.3f} s ahead of the Imu: check the clocks, or raise '
+                'navigator.aiding_delay where a recording is played fast'
+            )
         if late > self.settings.aiding_delay:
             raise AidingError(
                 f'its stamp is {late:.3f} s behind the Imu, and states are kept for '
@@ -248,6 +252,8 @@ class InertialNavigator:
         if not self.keep().insert(stamp_ns, kind, values):
             # Its sample is not filtered yet, or was when nothing was kept.
             self._aids.add(stamp_ns, kind, values)
+        if kind == layout.PLACE:
+            self._jumps.append(stamp_ns)
 
     def begins_anew(self, imu: ImuSample) -> bool:
         """Say whether a sample makes it start all over, so that what waits comes out before.
@@ -345,7 +351,15 @@ class InertialNavigator:
             return None
         block = state_block(np.concatenate(filtered), out[:done])
         self._note(out[done - 1].tolist())
-        count_strides(self.strides, block)
+        begin = 0
+        for stamp_ns in sorted(self._jumps):
+            end = int(np.searchsorted(block.stamp_ns, stamp_ns))
+            if end == len(block):
+                break
+            count_strides(self.strides, block.part(begin, end))
+            self._land(stamp_ns)
+            begin = end
+        count_strides(self.strides, block.part(begin, done))
         begin = int(np.searchsorted(block.stamp_ns, self._begin_ns))
         return block.part(begin, done) if begin < done else None
 
@@ -376,9 +390,19 @@ class InertialNavigator:
     def _take_note(self, values: list[float]) -> int:
         """Take note of the next state; return its stamp [ns]."""
         self._note(values)
+        stamp_ns = self._waiting.popleft()
+        if self._jumps:
+            self._land(stamp_ns)
         x, y, z = values[:3]
         self.strides.update(self.stationary, (x, y, z))
-        return self._waiting.popleft()
+        return stamp_ns
+
+    def _land(self, stamp_ns: int) -> None:
+        """Go on from elsewhere, where the body was placed: it did not walk there."""
+        later = [jump_ns for jump_ns in self._jumps if jump_ns > stamp_ns]
+        if len(later) < len(self._jumps):
+            self._jumps = later
+            self.strides.forget_stance()
 
     def _variance(self, imu: ImuSample) -> float:
         covariance = imu.angular_velocity_covariance

@@ -14,7 +14,7 @@ import numpy as np
 from dead_reckoning.core.blocks import Array, Stamps
 from dead_reckoning.core.kernels.navigation import layout
 from dead_reckoning.core.kernels.navigation.filter import navigate
-from dead_reckoning.core.navigation.aids import NO_AIDS, aid_row
+from dead_reckoning.core.navigation.aids import NO_AIDS, aid_row, in_order
 from dead_reckoning.core.samples import NANOSECONDS
 
 NO_TRACE = np.empty((0, layout.TRACE_ROW))
@@ -169,8 +169,7 @@ class History:
         begin, index = found
         stretch = self._stretches[begin]
         row = aid_row(stretch.first + index, kind, values, stretch.stamps[index] - stamp_ns)
-        aids = np.concatenate((stretch.aids, [row]))
-        stretch.aids = aids[np.argsort(aids[:, 0], kind='stable')]
+        stretch.aids = in_order(np.concatenate((stretch.aids, [row])))
         self._again = begin if self._again is None else min(begin, self._again)
         return True
 

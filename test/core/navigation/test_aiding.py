@@ -163,7 +163,7 @@ def test_a_heading_is_taken_at_its_own_time():
     values = (0.3, 1e-4, 0.1, 0.0, 0.0, layout.BY_COMPASS)
     aid = np.array([aid_row(0, layout.YAW, values, 0)])
     old = aid.copy()
-    old[0, 8] = 0.2
+    old[0, 1] = -0.2
     x, ((h, now),) = measurements(rules, state.copy(), row, aid)
     _, ((_, then),) = measurements(rules, state.copy(), row, old)
     turn = Rotation.from_quat(x[13:17]).apply(STATE['rate'] - x[6:9])

@@ -30,6 +30,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     HELD,
     LOGGED,
     MAX_GAP,
+    MOVES,
     NONHOLONOMIC,
     RATE_BIAS,
     RINGS,
@@ -144,6 +145,8 @@ def navigate(
             put_state(out[done], state, f.p, w, noise, 0.5 * rules[AVERAGING] * state[STEP])
             for i in range(3):
                 out[done, STATE_ROW - 3 + i] = verdicts[k, i]
+            if state[STOOD] == 0.0:
+                out[done, STATE_ROW - 1] = 0.0  # something else saw that it moves
             if len(trace):
                 _put_trace(traced[0], f, w, noise)
             head, waiting, done = (head + 1) % (delay + 1), waiting - 1, done + 1
@@ -155,7 +158,8 @@ def navigate(
 def _take(row: Array, verdict: Array, aids: Array, f: Filter, trace: Array) -> None:
     """Take one sample and what is known of it."""
     rules, state = f.rules, f.state
-    dt, rests = row[0], verdict[2] > 0.0
+    dt, rests = row[0], verdict[2] > 0.0 and state[MOVES] == 0.0
+    state[MOVES] = max(0.0, state[MOVES] - dt)
     force, rate = (row[1], row[2], row[3]), (row[4], row[5], row[6])
     if state[SEEN] == 0.0:
         dt = 0.0

@@ -100,13 +100,18 @@ def nis(p: Array, variance: float, y: Vector) -> float:
 
 
 def normalized_square(s: Half, y: Vector) -> float:
-    """Return yᵀ S⁻¹ y; of S, shape (3, 3), the upper half is given."""
-    x0, x1, x2 = y
+    """Return yᵀ S⁻¹ y; of S, shape (3, 3), the upper half is given.
+
+    By S = L D Lᵀ: a determinant has no digits left where one axis is known a million times worse.
+    """
     a, b, c, d, e, f = s
-    u, v, w = d * f - e * e, c * e - b * f, b * e - c * d
-    value = u * x0 * x0 + (a * f - c * c) * x1 * x1 + (a * d - b * b) * x2 * x2
-    value += 2.0 * (v * x0 * x1 + w * x0 * x2 + (b * c - a * e) * x1 * x2)
-    return float(value / (a * u + b * v + c * w))
+    l10, l20 = b / a, c / a
+    d, e = d - l10 * b, e - l10 * c
+    l21 = e / d
+    f -= l20 * c + l21 * e
+    y0, y1 = y[0], y[1] - l10 * y[0]
+    y2 = y[2] - l20 * y0 - l21 * y1
+    return float(y0 * y0 / a + y1 * y1 / d + y2 * y2 / f)
 
 
 def believed(f: Filter, refused: int, excess: bool, dt: float, patience: float) -> bool:
