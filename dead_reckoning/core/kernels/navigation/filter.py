@@ -107,7 +107,7 @@ def navigate(
 
     ``aids``, shape (m, AID_ROW), are what else is known, in the order of their rows.  Returns how
     many rows of ``out``, shape (n, STATE_ROW), are filled.  ``trace``, shape (n, TRACE_ROW), and
-    ``log``, shape (16 n + 3 m, LOG_ROW), are for the smoother, or empty.
+    ``log``, shape (18 n + 4 m, LOG_ROW), are for the smoother, or empty.
     """
     delay, still = int(rules[DELAY]), int(rules[STILL_SAMPLES])
     begin = RINGS + 3 * still
