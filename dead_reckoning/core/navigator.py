@@ -15,6 +15,7 @@ from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.errors import (
     AidingError,
     DeadReckoningError,
+    DivergedError,
     GapError,
     GravityError,
     MissingRateError,
@@ -75,7 +76,8 @@ class InertialNavigator:
     align.  What comes out is late by as many samples as the detector looks ahead, with the stamp
     of its own sample.
 
-    A stale stamp is refused.  One that goes back by more than 1 s starts all over.  Over a gap
+    A stale stamp is refused.  One that goes back by more than 1 s starts all over, and so does a
+    state that is not finite, which never comes out.  Over a gap
     position and attitude are held, the velocity is forgotten, and the covariance grows.  So it
     does with a sample that reaches the full scale of its sensor, where that is set.
     """
@@ -287,6 +289,8 @@ class InertialNavigator:
         states = []
         if gap:
             states = self.flush()
+            if not self.aligned:  # it diverged
+                return states
             self._detector.reset()
             if self.levelling:
                 self._search = Alignment(self.settings)
@@ -311,7 +315,9 @@ class InertialNavigator:
         self._stamp[0] = stamp_ns
         done = self._filter(self.row, self._stamp, self._verdict, self.out)
         self._waiting.append(stamp_ns)
-        if not done:
+        if done <= 0:
+            if done < 0:
+                self._give_up()
             return None
         self._values = self.out[0].tolist()
         state_ns = self._take_note(self._values)
@@ -327,30 +333,51 @@ class InertialNavigator:
         rows[:, 0] = -1.0
         out = np.empty((delay, layout.STATE_ROW))
         done = self._filter(rows, NO_STAMPS, np.empty((delay, 3)), out)
-        states = [state_of(self._take_note(values), values) for values in out[:done].tolist()]
-        return [state for state in states if state.stamp_ns >= self._begin_ns]
+        rows = out[: max(done, -1 - done)].tolist()
+        states = [state_of(self._take_note(values), values) for values in rows]
+        states = [state for state in states if state.stamp_ns >= self._begin_ns]
+        if done < 0:
+            self._give_up()
+        return states
 
     def take(self, samples: Array, stamps: Stamps) -> StateBlock | None:
         """Take samples in columns, as kernels have them; return the states known now, if any.
 
         ``samples``, shape (n, ROW), and ``stamps``, shape (n,), must be what `update` would take
-        without an error, and without a gap.
+        without an error, and without a gap.  Where it diverges those after `newest_ns` are not
+        taken.
         """
         out = np.empty((len(samples), layout.STATE_ROW))
-        done, filtered = 0, []
+        done, filtered, diverged = 0, [], False
         for begin in range(0, len(samples), STRETCH):
             part = slice(begin, begin + STRETCH)
             rows = samples[part]
             count = self._filter(rows, stamps[part], np.empty((len(rows), 3)), out[done:])
+            diverged = count < 0
+            if diverged:
+                count = -1 - count
+                last = begin + count + self._detector.delay - len(self._waiting)
+                self._timeline._last_ns = int(stamps[last])
             waiting = np.concatenate((np.array(self._waiting, np.int64), stamps[part]))
             self._waiting = deque(waiting[count:].tolist())
             filtered.append(waiting[:count])
             done += count
+            if diverged:
+                break
         self.row[0] = samples[-1]
-        if not done:
-            return None
-        block = state_block(np.concatenate(filtered), out[:done])
-        self._note(out[done - 1].tolist())
+        found = None
+        if done:
+            block = state_block(np.concatenate(filtered), out[:done])
+            self._note(out[done - 1].tolist())
+            self._count(block)
+            begin = int(np.searchsorted(block.stamp_ns, self._begin_ns))
+            found = block.part(begin, done) if begin < done else None
+        if diverged:
+            self._give_up()
+        return found
+
+    def _count(self, block: StateBlock) -> None:
+        """Count the strides of a block; where the body was placed nobody walked."""
         begin = 0
         for stamp_ns in sorted(self._jumps):
             end = int(np.searchsorted(block.stamp_ns, stamp_ns))
@@ -359,12 +386,25 @@ class InertialNavigator:
             count_strides(self.strides, block.part(begin, end))
             self._land(stamp_ns)
             begin = end
-        count_strides(self.strides, block.part(begin, done))
-        begin = int(np.searchsorted(block.stamp_ns, self._begin_ns))
-        return block.part(begin, done) if begin < done else None
+        count_strides(self.strides, block.part(begin, len(block)))
+
+    def _give_up(self) -> None:
+        """Start over, as the filter has no state any more."""
+        self._start_over()
+        self._levelling.fail(NotAtRestError('the navigator diverged meanwhile: ask again'))
+        self.findings.append(
+            DivergedError(
+                'position, velocity or covariance are no longer finite: starting over at the '
+                'origin, with the next rest; check the settings of navigator that are not those '
+                'of its preset'
+            )
+        )
 
     def _filter(self, samples: Array, stamps: Stamps, verdicts: Array, out: Array) -> int:
-        """Filter samples, after those that wait; rows that stand for no sample have no stamp."""
+        """Filter samples, after those that wait; rows that stand for no sample have no stamp.
+
+        Below 0 says that the filter diverged, after −1 − that many.
+        """
         self._detector.take(samples, verdicts)
         aids = NO_AIDS
         if self._aids.waiting:

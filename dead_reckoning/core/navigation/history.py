@@ -72,9 +72,10 @@ class Stretch:
     ) -> int:
         """Filter so many rows, or all, from a state on; return how many of ``out`` are filled."""
         n = self.count if rows is None else rows
-        return navigate(
+        done = navigate(
             self.samples[:n], self.verdicts[:n], self.aids, self.rules, state, out, trace, log
         )
+        return max(done, -1 - done)  # those before it diverged
 
 
 class History:

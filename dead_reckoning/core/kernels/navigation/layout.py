@@ -127,9 +127,9 @@ LOG_ROW = 3 + 2 * ERRORS
 """Columns of the log: what was done; variance and innovation, gain (16), and of which errors (16).
 """
 
-MEASURE, CLONE, FORGET, TURN = range(4)
+MEASURE, CLONE, FORGET, TURN, FOLLOW = range(5)
 """What the log says was done: a measurement; a new floor; errors forgotten; the world turned, by
-an angle in place of the variance."""
+an angle in place of the variance; the error of the velocity, by a rotation vector there."""
 
 
 class Filter(NamedTuple):
