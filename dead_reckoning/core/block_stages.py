@@ -109,7 +109,18 @@ def pedometer_block_stage(
     says = steps or StepOutputs(pedometer, odometry)
     run = pedometer_run(pedometer, odometry, says, mountings)
     stage = pedometer_stage(pedometer, odometry, mountings, says)
-    return blockwise(stage, {pedometer.settings.input: run})
+
+    def end(_: None) -> list[Output]:
+        newest_ns = pedometer.newest_ns
+        if newest_ns is None:
+            return []
+        outputs = [
+            (n, StateBlock.of([v]) if isinstance(v, NavigationState) else Stamped(newest_ns, v))
+            for n, v in stage[END](None)
+        ]
+        return outputs
+
+    return {**blockwise(stage, {pedometer.settings.input: run}), END: end}
 
 
 def _with_rests(stage: Stage, rest: RestOutput) -> Stage:

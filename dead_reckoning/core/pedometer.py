@@ -29,7 +29,10 @@ class PedometerSettings(Settings, prefix='pedometer'):
         choices=('imu/data_raw', 'imu/data'),
     )
     method: str = parameter(
-        'an900', 'How steps are found: an900 (AN-900, corrected)', choices=step_detectors.names()
+        'rhythm',
+        'How steps are found: rhythm (peaks, while they repeat as walking does), an900 (AN-900, '
+        'corrected)',
+        choices=step_detectors.names(),
     )
     axes: tuple[str, ...] = parameter(
         AXES,
@@ -210,6 +213,7 @@ class Pedometer:
         """Gaps longer than `max_gap` so far."""
         self.running = True
         """Whether it counts."""
+        self._max_gap_ns = round(settings.max_gap * NANOSECONDS)
         self._window = StepWindow(settings.shortest_step, settings.longest_step)
         detector = step_detectors.detector_class(settings.method)
         self._detector: StepDetector = detector(method_settings, self._window)
@@ -237,10 +241,20 @@ class Pedometer:
 
     def stop(self) -> None:
         """Count no more and hold the totals."""
+        self.flush()
         self.running = False
         self._calibration = None
         self._order.reset()
-        self._end_walk()
+
+    def flush(self) -> list[PedometerState]:
+        """Return what is left, as at the end: steps that wait for later samples, and the end."""
+        states: list[PedometerState] = []
+        if self.running:
+            for stamp_ns, vector in self._order.flush():
+                self._take(stamp_ns, vector, states)
+            if self._last_ns is not None:
+                self._break_off(self._last_ns, states)
+        return states
 
     def _end_walk(self) -> None:
         self.cadence = 0.0
@@ -253,6 +267,11 @@ class Pedometer:
     def walking(self) -> bool:
         """Whether a walk goes on."""
         return self._detector.walking
+
+    @property
+    def newest_ns(self) -> int | None:
+        """The newest stamp [ns] that came; None before the first."""
+        return self._order.newest_ns
 
     @property
     def restarts(self) -> int:
@@ -318,7 +337,7 @@ class Pedometer:
 
     def _take(self, stamp_ns: int, force: Vector, states: list[PedometerState]) -> None:
         last_ns, self._last_ns = self._last_ns, stamp_ns
-        if last_ns is not None and stamp_ns - last_ns > self.settings.max_gap * NANOSECONDS:
+        if last_ns is not None and stamp_ns - last_ns > self._max_gap_ns:
             self.gaps += 1
             self._break_off(last_ns, states)
             self._last_ns = stamp_ns
@@ -329,14 +348,21 @@ class Pedometer:
 
     def advance(self, stamp_ns: int, magnitude: float) -> list[PedometerState]:
         """Take the next magnitude [m/s²], at the rate of the method; return what it proves."""
-        walked = self._detector.walking
-        states = [self._count(step) for step in self._detector.update(stamp_ns, magnitude)]
-        if walked and not self._detector.walking:
+        detector = self._detector
+        walked = detector.walking
+        steps = detector.update(stamp_ns, magnitude)
+        ends = walked and not detector.walking
+        if not (steps or ends):
+            return []
+        states = [self._count(step) for step in steps]
+        if ends:
             self._say_end(stamp_ns, states)
         return states
 
     def _break_off(self, stamp_ns: int, states: list[PedometerState]) -> None:
-        if self._detector.walking:
+        walked = self._detector.walking
+        states.extend(self._count(step) for step in self._detector.finish())
+        if walked:
             self._say_end(stamp_ns, states)
         self._end_walk()
 

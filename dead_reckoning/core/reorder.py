@@ -34,6 +34,11 @@ class StampOrder(Generic[Sample]):
         self._newest_ns: int | None = None
         self._handed_ns = 0
 
+    @property
+    def newest_ns(self) -> int | None:
+        """The newest stamp [ns]; None before the first sample."""
+        return self._newest_ns
+
     def add(self, stamp_ns: int, sample: Sample) -> list[tuple[int, Sample]]:
         """Take one sample; return those whose turn has come, in order, with their stamps [ns].
 
@@ -50,9 +55,18 @@ class StampOrder(Generic[Sample]):
             self._insert(stamp_ns, sample)
             return self._release(newest_ns)
         self._newest_ns = stamp_ns
-        self._stamps.append(stamp_ns)
+        stamps = self._stamps
+        stamps.append(stamp_ns)
         self._samples.append(sample)
+        until_ns = stamp_ns - self._hold_ns
+        if 1 < len(stamps) <= self._limit and stamps[0] <= until_ns < stamps[1]:  # as a rule
+            self._handed_ns = handed_ns = stamps.pop(0)
+            return [(handed_ns, self._samples.pop(0))]
         return self._release(stamp_ns)
+
+    def flush(self) -> list[tuple[int, Sample]]:
+        """Return those that wait, in order, as no more come."""
+        return self._hand_on(len(self._stamps))
 
     def _insert(self, stamp_ns: int, sample: Sample) -> None:
         at = bisect_left(self._stamps, stamp_ns)
@@ -73,6 +87,9 @@ class StampOrder(Generic[Sample]):
     def _release(self, newest_ns: int) -> list[tuple[int, Sample]]:
         count = bisect_left(self._stamps, newest_ns - self._hold_ns + 1)
         count = max(count, len(self._stamps) - self._limit)
+        return self._hand_on(count)
+
+    def _hand_on(self, count: int) -> list[tuple[int, Sample]]:
         if not count:
             return []
         released = list(zip(self._stamps[:count], self._samples[:count], strict=True))

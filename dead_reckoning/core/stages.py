@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from dead_reckoning.core.chain import FAULT, NOTICE, Output, Stage
+from dead_reckoning.core.chain import END, FAULT, NOTICE, Output, Stage
 from dead_reckoning.core.errors import GapError, RestartError, SampleError
 from dead_reckoning.core.gravity import GravityRemoval, Levelled
 from dead_reckoning.core.integrator import Integrator
@@ -262,6 +262,7 @@ def pedometer_stage(
         pedometer.settings.input: count,
         COMPASS: turn,
         TOTALS: lambda _: steps.changes(),
+        END: lambda _: steps.of(pedometer.flush()),
     }
 
 

@@ -21,5 +21,6 @@ class StepWindow:
 
     def configure(self, shortest: float, longest: float) -> None:
         """Take over changed times [s]."""
+        self.shortest, self.longest = shortest, longest
         self.shortest_ns = round(shortest * NANOSECONDS)
         self.longest_ns = round(longest * NANOSECONDS)

@@ -64,6 +64,9 @@ class StepDetector(Protocol):
     def update(self, stamp_ns: int, magnitude: float) -> list[Step]:
         """Take the next magnitude [m/s²]; return the steps it proves, in order of time."""
 
+    def finish(self) -> list[Step]:
+        """Return the steps that are sure but wait, as no magnitude follows; forget the walk."""
+
 
 def names() -> tuple[str, ...]:
     """List the methods there are."""

@@ -121,6 +121,11 @@ class An900Detector:
             return self._go_on(stamp_ns)
         return []
 
+    def finish(self) -> list[Step]:
+        """Forget the walk: no step of it waits."""
+        self.reset()
+        return []
+
     def _follow_slope(self, before: float, now: float) -> bool:
         """Take note of maxima and minima; return whether a rise has ended before a walk."""
         threshold = self.settings.slope_threshold
