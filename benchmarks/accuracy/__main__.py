@@ -32,10 +32,28 @@ from benchmarks.accuracy.report import Report
 from dead_reckoning.core.errors import DeadReckoningError
 from dead_reckoning.tools.table import table
 
-KINDS = (jackal, broad, airbrakes, oxford, wrist, openshoe, gcp, xio, gaitmap, inclination)
+KINDS = (
+    jackal,
+    broad,
+    airbrakes,
+    oxford,
+    wrist,
+    openshoe,
+    gcp,
+    xio,
+    gaitmap,
+    inclination,
+)
 """One module per kind of recording; each has NAME, PATTERN and `measure`."""
 
-SIMULATED = (slopes, smoothing, sensors, consistency, aided_drives, navigator_cost)
+SIMULATED = (
+    slopes,
+    smoothing,
+    sensors,
+    consistency,
+    aided_drives,
+    navigator_cost,
+)
 """What needs no recording; each has NAME and `measure`."""
 
 
@@ -105,7 +123,7 @@ def _say_goals(reports: Sequence[Report]) -> None:
     if goals:
         words = {True: 'met', False: 'missed', None: 'open'}
         rows = [(goal.what, goal.wanted, goal.found, words[goal.met]) for goal in goals]
-        print('\ninertial navigator\n' + table(('', 'wanted', 'found', ''), rows) + '\n')
+        print('\ngoals\n' + table(('', 'wanted', 'found', ''), rows) + '\n')
 
 
 if __name__ == '__main__':
