@@ -23,7 +23,9 @@ from benchmarks.accuracy import (
     navigator_cost,
     openshoe,
     oxford,
+    pedometer_cost,
     sensors,
+    simulated_steps,
     slopes,
     smoothing,
     wrist,
@@ -49,6 +51,8 @@ KINDS = (
 """One module per kind of recording; each has NAME, PATTERN and `measure`."""
 
 SIMULATED = (
+    simulated_steps,
+    pedometer_cost,
     slopes,
     smoothing,
     sensors,
