@@ -23,11 +23,13 @@ from benchmarks.accuracy import (
     navigator_cost,
     openshoe,
     oxford,
+    paces,
     pedometer_cost,
     sensors,
     simulated_steps,
     slopes,
     smoothing,
+    step_lengths,
     wrist,
     xio,
 )
@@ -42,6 +44,7 @@ KINDS = (
     oxford,
     wrist,
     mobgap,
+    step_lengths,
     openshoe,
     gcp,
     xio,
@@ -52,6 +55,7 @@ KINDS = (
 
 SIMULATED = (
     simulated_steps,
+    paces,
     pedometer_cost,
     slopes,
     smoothing,
