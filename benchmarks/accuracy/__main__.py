@@ -19,12 +19,17 @@ from benchmarks.accuracy import (
     gcp,
     inclination,
     jackal,
+    mobgap,
     navigator_cost,
     openshoe,
     oxford,
+    paces,
+    pedometer_cost,
     sensors,
+    simulated_steps,
     slopes,
     smoothing,
+    step_lengths,
     wrist,
     xio,
 )
@@ -32,10 +37,33 @@ from benchmarks.accuracy.report import Report
 from dead_reckoning.core.errors import DeadReckoningError
 from dead_reckoning.tools.table import table
 
-KINDS = (jackal, broad, airbrakes, oxford, wrist, openshoe, gcp, xio, gaitmap, inclination)
+KINDS = (
+    jackal,
+    broad,
+    airbrakes,
+    oxford,
+    wrist,
+    mobgap,
+    step_lengths,
+    openshoe,
+    gcp,
+    xio,
+    gaitmap,
+    inclination,
+)
 """One module per kind of recording; each has NAME, PATTERN and `measure`."""
 
-SIMULATED = (slopes, smoothing, sensors, consistency, aided_drives, navigator_cost)
+SIMULATED = (
+    simulated_steps,
+    paces,
+    pedometer_cost,
+    slopes,
+    smoothing,
+    sensors,
+    consistency,
+    aided_drives,
+    navigator_cost,
+)
 """What needs no recording; each has NAME and `measure`."""
 
 
@@ -105,7 +133,7 @@ def _say_goals(reports: Sequence[Report]) -> None:
     if goals:
         words = {True: 'met', False: 'missed', None: 'open'}
         rows = [(goal.what, goal.wanted, goal.found, words[goal.met]) for goal in goals]
-        print('\ninertial navigator\n' + table(('', 'wanted', 'found', ''), rows) + '\n')
+        print('\ngoals\n' + table(('', 'wanted', 'found', ''), rows) + '\n')
 
 
 if __name__ == '__main__':

@@ -42,12 +42,20 @@ def beside(title: str, count: int) -> tuple[Figure, list[Axes], tuple[Axes, Axes
     return figure, left, right
 
 
-def one(title: str) -> tuple[Figure, Axes]:
-    """Return a figure with one pair of axes."""
-    figure = Figure(figsize=(12.0, 5.6), dpi=110, layout='constrained')
+def one(title: str, height: float = 5.6) -> tuple[Figure, Axes]:
+    """Return a figure, so many inches high, with one pair of axes."""
+    figure = Figure(figsize=(12.0, height), dpi=110, layout='constrained')
     FigureCanvasAgg(figure)
     figure.suptitle(title)
     return figure, figure.add_subplot()
+
+
+def below(title: str, count: int) -> tuple[Figure, list[Axes]]:
+    """Return a figure with some axes below each other."""
+    figure = Figure(figsize=(14.0, 1.0 + 1.5 * count), dpi=110, layout='constrained')
+    FigureCanvasAgg(figure)
+    figure.suptitle(title)
+    return figure, [figure.add_subplot(count, 1, number + 1) for number in range(count)]
 
 
 def legend_above(axes: Axes) -> None:

@@ -43,3 +43,9 @@ class Report:
         self.goals.append(
             Goal(what, f'≤ {form.format(most)}', form.format(found), bool(found <= most))
         )
+
+    def reach(self, what: str, found: float, least: float, form: str = '{:.2f}') -> None:
+        """Add a goal: a figure, written by ``form``, that is to be at least so much."""
+        self.goals.append(
+            Goal(what, f'≥ {form.format(least)}', form.format(found), bool(found >= least))
+        )

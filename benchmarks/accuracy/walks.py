@@ -1,82 +1,31 @@
-"""Steps counted by the pedometer beside the true ones, over all walks of a set."""
+"""Tables and pictures of steps counted beside the true ones, over all walks of a set."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.signal import butter, find_peaks, sosfiltfilt
 
 from benchmarks.accuracy import pictures
 from benchmarks.accuracy.report import Report
-from dead_reckoning.core.errors import SampleError
-from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
-from dead_reckoning.core.samples import NANOSECONDS, ImuSample
-from dead_reckoning.core.step_detectors.an900 import An900Settings
+from benchmarks.accuracy.step_counters import (
+    OTHERS,
+    PEDOMETER,
+    Count,
+    Stamps,
+    Walk,
+    published,
+)
 
-Array = NDArray[np.float64]
-
-BAND = (0.7, 3.0)
-"""Band of the reference [Hz]."""
-
-PROMINENCE = 1.0
-"""Smallest prominence of a peak of the reference [m/s²], the best of those tried."""
-
-REFERENCE_RATE = 50.0
-"""Rate of the reference [Hz]; a recording that is slower keeps its own."""
-
-
-@dataclass(frozen=True)
-class Walk:
-    """One recording: ``stamps_ns``, shape (n,), as they came; ``force_s``, shape (n, 3) [m/s²]."""
-
-    name: str
-    true: int
-    stamps_ns: NDArray[np.int64]
-    force_s: Array
-
-    @property
-    def seconds(self) -> float:
-        """Time from the first stamp to the last [s]."""
-        return float(np.ptp(self.stamps_ns)) / NANOSECONDS
-
-
-@dataclass(frozen=True)
-class Count:
-    """What was counted on a walk; ``refused`` samples came too late or twice."""
-
-    walk: Walk
-    counted: int
-    reference: int
-    refused: int
-
-
-def count(walk: Walk) -> Count:
-    """Count the steps with all settings at their defaults, and with the reference."""
-    pedometer = Pedometer(PedometerSettings(), An900Settings())
-    refused = 0
-    rows = zip(walk.stamps_ns.tolist(), walk.force_s.tolist(), strict=True)
-    for stamp_ns, (x, y, z) in rows:
-        try:
-            pedometer.update(ImuSample(stamp_ns, 'imu_link', (x, y, z)))
-        except SampleError:
-            refused += 1
-    return Count(walk, pedometer.steps, count_peaks(walk), refused)
-
-
-def count_peaks(walk: Walk) -> int:
-    """Count the peaks of the norm in the band of steps, which needs the whole recording."""
-    order = np.argsort(walk.stamps_ns, kind='stable')
-    time = (walk.stamps_ns[order] - walk.stamps_ns[order[0]]) / NANOSECONDS
-    rate = min(REFERENCE_RATE, (len(time) - 1) / time[-1])
-    norm = np.linalg.norm(walk.force_s[order], axis=1)
-    even = np.interp(np.arange(0.0, time[-1], 1.0 / rate), time, norm)
-    band = butter(2, BAND, 'bandpass', fs=rate, output='sos')
-    peaks, _ = find_peaks(sosfiltfilt(band, even - even.mean()), prominence=PROMINENCE)
-    return len(peaks)
+VARIATIONS = {
+    'as recorded': (1.0, 1.0),
+    'amplitude × 0.4': (0.4, 1.0),
+    'amplitude × 2': (2.0, 1.0),
+    'time × 0.75': (1.0, 0.75),
+    'time × 1.3': (1.0, 1.3),
+}
+"""How much more the norm swings about its median, and how much longer it takes."""
 
 
 def percent(counted: int, true: int) -> float:
@@ -84,50 +33,87 @@ def percent(counted: int, true: int) -> float:
     return 100.0 * (counted - true) / true
 
 
-def add_walks(report: Report, caption: str, counts: Sequence[Count]) -> None:
-    """Add the table of some walks that have true steps, and what it comes to."""
-    rows = []
-    for c in counts:
-        true = c.walk.true
-        rows.append(
-            (
-                c.walk.name,
-                f'{c.walk.seconds:.0f} s',
-                str(true),
-                str(c.counted),
-                f'{percent(c.counted, true):+.1f} %',
-                str(c.reference),
-                f'{percent(c.reference, true):+.1f} %',
-            )
+def error_percent(walk: Walk, found_ns: Stamps) -> float:
+    """Return the error of the steps found in per cent of the true ones."""
+    return percent(len(found_ns), walk.true)
+
+
+def spread(errors: Sequence[float]) -> dict[str, float]:
+    """Return the mean of the magnitudes of errors, and the worst."""
+    sizes = np.abs(errors)
+    return {'mean': float(sizes.mean()), 'worst': float(sizes.max())}
+
+
+def spread_text(errors: Sequence[float], form: str = '{:.1f}') -> str:
+    """Write the mean of the magnitudes, and the worst."""
+    return ', '.join(form.format(value) for value in spread(errors).values())
+
+
+def add_walks(report: Report, caption: str, counts: Sequence[Count]) -> dict[str, list[float]]:
+    """Add the table of some walks that have true steps; return the errors [%] of each counter."""
+    errors = {
+        name: [error_percent(c.walk, c.found[name]) for c in counts]
+        for name in (PEDOMETER, *OTHERS)
+    }
+    rows = [
+        (
+            c.walk.name,
+            f'{c.walk.seconds:.0f} s',
+            str(c.walk.true),
+            str(len(c.found[PEDOMETER])),
+            *(f'{of_all[k]:+.1f} %' for of_all in errors.values()),
         )
-    report.add_table(
-        caption, ('', 'time', 'true', 'counted', 'error', 'find_peaks', 'error'), rows
-    )
-    figures = {}
-    lines = []
-    for name, key in (('counted', 'counted'), ('find_peaks', 'reference')):
-        errors = [abs(percent(getattr(c, key), c.walk.true)) for c in counts]
-        figures[name] = {'mean_percent': float(np.mean(errors)), 'worst_percent': max(errors)}
-        lines.append(f'{name} {np.mean(errors):.1f} %, worst {max(errors):.1f} %')
-    report.text.append(f'  mean error: {"; ".join(lines)}')
+        for k, c in enumerate(counts)
+    ]
+    rows.append(('mean, worst', '', '', '', *(f'{spread_text(e)} %' for e in errors.values())))
+    report.add_table(caption, ('', 'time', 'true', 'counted', *errors), rows)
     report.figures[caption] = {
-        **figures,
+        'percent': {name: spread(of_all) for name, of_all in errors.items()},
         'walks': {
-            c.walk.name: {'true': c.walk.true, 'counted': c.counted, 'find_peaks': c.reference}
+            c.walk.name: {'true': c.walk.true, **{name: len(f) for name, f in c.found.items()}}
             for c in counts
         },
     }
+    return errors
+
+
+def add_variations(
+    report: Report,
+    walks: Sequence[Walk],
+    error: Callable[[Walk, Stamps], float],
+    groups: Mapping[str, Callable[[Walk], bool]],
+) -> None:
+    """Add what the pedometer makes of the walks, were they softer, harder, faster and slower.
+
+    ``error`` is given the steps as they would be in the walk as it was recorded.
+    """
+    rows = []
+    figures: dict[str, dict[str, dict[str, float]]] = {}
+    present = {name: chosen for name, chosen in groups.items() if any(map(chosen, walks))}
+    for variation, (amplitude, duration) in VARIATIONS.items():
+        errors = []
+        for walk in walks:
+            found_ns = published(walk.varied(amplitude, duration)).stamps_ns
+            errors.append(error(walk, walk.stretched(found_ns, 1.0 / duration)))
+        of = {
+            name: [e for e, walk in zip(errors, walks, strict=True) if chosen(walk)]
+            for name, chosen in present.items()
+        }
+        rows.append((variation, *map(spread_text, of.values())))
+        figures[variation] = {name: spread(some) for name, some in of.items()}
+    report.add_table('pedometer on what was changed: mean error, worst', ('', *present), rows)
+    report.figures['variations'] = figures
 
 
 def draw(path: Path, title: str, counts: Sequence[Count]) -> Path:
     """Show the error of each count as bars."""
-    figure, axes = pictures.one(title)
+    figure, axes = pictures.one(title, max(5.6, 0.24 * len(counts)))
     place = np.arange(len(counts))
     names = [c.walk.name.replace('_', ' ') for c in counts]
-    ours = [percent(c.counted, c.walk.true) for c in counts]
-    theirs = [percent(c.reference, c.walk.true) for c in counts]
-    axes.barh(place - 0.2, ours, 0.4, color=pictures.RUNS[0], label='pedometer')
-    axes.barh(place + 0.2, theirs, 0.4, color=pictures.TRUTH['color'], label='find_peaks')
+    shown = ((PEDOMETER, pictures.RUNS[0]), ('find_peaks', pictures.TRUTH['color']))
+    for side, (name, colour) in zip((-0.2, 0.2), shown, strict=True):
+        errors = [error_percent(c.walk, c.found[name]) for c in counts]
+        axes.barh(place + side, errors, 0.4, color=colour, label=name)
     axes.axvline(0.0, color='black', linewidth=0.8)
     axes.set_yticks(place, names)
     axes.invert_yaxis()

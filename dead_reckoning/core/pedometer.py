@@ -57,19 +57,29 @@ class PedometerSettings(Settings, prefix='pedometer'):
     )
     length_model: str = parameter(
         'an900_equation2',
-        'How long a step is: an900_equation2 (the bounce), an900_equation1 (the fullness of its '
-        'curve), constant',
+        'How long a step is: by its bounce (an900_equation2), the fullness of its curve '
+        '(an900_equation1), its swing (weinberg), its roughness (kim), its time '
+        '(cadence_height), or all alike (constant)',
         choices=step_lengths.names(),
     )
     k: float = parameter(
         Derived(
             lambda pedometer: pedometer.model.K,
-            'that of the model, in this order 1.05, 1.7 and 0.7',
+            'that of the model: '
+            + ', '.join(f'{name} {step_lengths.model(name).K:g}' for name in step_lengths.names()),
         ),
         'Constant of the length model, of which each length is a multiple; ~/calibrate finds it',
-        unit='√m for an900_equation2, else m',
+        unit='m for constant; docs/pedometer.md has those of the others',
         minimum=0.001,
         maximum=100.0,
+        mutable=True,
+    )
+    height: float = parameter(
+        1.7,
+        'Height of the pedestrian, for cadence_height',
+        unit='m',
+        minimum=0.3,
+        maximum=3.0,
         mutable=True,
     )
     averaging: float = parameter(
@@ -214,12 +224,13 @@ class Pedometer:
         self.running = True
         """Whether it counts."""
         self._max_gap_ns = round(settings.max_gap * NANOSECONDS)
+        self.model = settings.model
+        """How long each step is, but for k."""
         self._window = StepWindow(settings.shortest_step, settings.longest_step)
         detector = step_detectors.detector_class(settings.method)
         self._detector: StepDetector = detector(method_settings, self._window)
         self._order: StampOrder[Vector] = StampOrder(settings.reorder_time)
         self._resampler = Resampler(detector.RATE)
-        self._model = settings.model
         self._use = tuple(float(axis in settings.axes) for axis in AXES)
         self._last_ns: int | None = None
         self._calibration: tuple[int, float] | None = None
@@ -373,7 +384,7 @@ class Pedometer:
         )
 
     def _count(self, step: Step) -> PedometerState:
-        size = self._model.size(step)
+        size = self.model.size(step, self.settings.height)
         length = self.settings.k * size
         if self.steps >= 2:  # the first two stand for themselves, as in the listing
             averaging = self.settings.averaging

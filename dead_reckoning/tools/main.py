@@ -12,6 +12,10 @@ from importlib import import_module
 from dead_reckoning.tools.signals import unwinding
 
 COMMANDS = {
+    'calibrate': (
+        'dead_reckoning.tools.calibrate.command',
+        'fit the step lengths of a pedometer to recorded walks of known distances',
+    ),
     'demo': (
         'dead_reckoning.tools.demo.command',
         'simulate a motion, run the nodes, compare with the truth',

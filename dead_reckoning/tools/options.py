@@ -13,6 +13,30 @@ def add_counts(parser: argparse.ArgumentParser, what: str) -> None:
     parser.add_argument('counts', metavar='COUNTS.csv', type=Path, help=what)
 
 
+def add_recordings(parser: argparse.ArgumentParser) -> None:
+    """Add recordings, and what says how to read them."""
+    parser.add_argument(
+        'inputs',
+        nargs='+',
+        type=Path,
+        metavar='INPUT',
+        help='a rosbag2 folder, a ROS 1 .bag, or a .csv with a header',
+    )
+    parser.add_argument('--imu', metavar='TOPIC', help='topic of the Imu, where several may be')
+    parser.add_argument(
+        '-r',
+        '--remap',
+        type=_remap,
+        action='append',
+        default=[],
+        metavar='NAME:=TOPIC',
+        help='topic of a bag for an input, as aiding/odom:=/wheels/odom; may come several times',
+    )
+    parser.add_argument(
+        '--rate', type=_rate, metavar='HZ', help='samples per second of a .csv without stamps'
+    )
+
+
 def whole(minimum: int, maximum: int | None = None) -> Callable[[str], int]:
     """Return a converter of whole numbers, hexadecimal with 0x, from one number to another."""
 
@@ -46,3 +70,20 @@ def positive(text: str) -> float:
     if value <= 0.0:
         raise argparse.ArgumentTypeError(f'{text} is not above 0')
     return value
+
+
+def _remap(text: str) -> tuple[str, str]:
+    name, separator, topic = text.partition(':=')
+    if not (name and separator and topic):
+        raise argparse.ArgumentTypeError(f'{text!r} is not NAME:=TOPIC')
+    return name, topic
+
+
+def _rate(text: str) -> float:
+    try:
+        rate = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f'{text!r} is no number') from None
+    if not 0.0 < rate <= 1e6:
+        raise argparse.ArgumentTypeError(f'{text} is no rate from 0 to 1000000 Hz')
+    return rate

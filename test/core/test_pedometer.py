@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dead_reckoning.core import step_lengths
 from dead_reckoning.core.errors import (
     LateSampleError,
     MissingAccelerationError,
@@ -132,7 +133,7 @@ def test_exponential_average_is_that_of_the_listing():
     assert np.std(raw) > 1.3 * np.std(expected)
 
 
-@pytest.mark.parametrize('model', ['constant', 'an900_equation1', 'an900_equation2'])
+@pytest.mark.parametrize('model', step_lengths.names())
 def test_k_multiplies_the_lengths(model):
     once = pedometer(length_model=model, k=1.0)
     twice = pedometer(length_model=model, k=2.0)
@@ -140,6 +141,16 @@ def test_k_multiplies_the_lengths(model):
         run(counter, samples(forces()))
     assert twice.distance == pytest.approx(2.0 * once.distance)
     assert once.distance > 0.0
+
+
+def test_height_counts_from_when_it_is_set():
+    counter = pedometer(length_model='cadence_height', height=1.6)
+    states = walked(run(counter, samples(forces())))
+    counter.configure(counter.settings.changed({'pedometer.height': 2.4}))
+    later = walked(run(counter, samples(forces(), START_NS + 100 * SECOND)))
+    assert [state.step_length for state in later] == pytest.approx(
+        [1.5 * state.step_length for state in states]
+    )
 
 
 def test_k_is_that_of_the_model_unless_set():
@@ -431,7 +442,7 @@ def test_window_of_time_has_to_admit_something():
 # Calibration ----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize('model', ['constant', 'an900_equation1', 'an900_equation2'])
+@pytest.mark.parametrize('model', step_lengths.names())
 def test_calibration_makes_the_distance_fit(model):
     counter = pedometer(length_model=model, calibration_distance=15.0, k=3.0)
     counter.begin_calibration()

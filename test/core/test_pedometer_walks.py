@@ -5,49 +5,33 @@ from functools import cache
 
 import pytest
 
+from benchmarks.accuracy.trunk_walks import (
+    ADXL330,
+    MMA7260QT,
+    MMA7260QT_8_BIT,
+    START_NS,
+    walked,
+)
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
 from dead_reckoning.core.step_detectors.an900 import An900Settings
 from dead_reckoning.sources import motions
-from dead_reckoning.sources.driver import front_end, simulated_sensor
-from dead_reckoning.sources.driver_settings import DriverSettings
-from dead_reckoning.tools.generate import PRESETS
 
-START_NS = 1_700_000_000_000_000_000
 CADENCES = (0.8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5)
 LENGTH, STEPS = 0.7, 60
-ADXL330 = next(preset for preset in PRESETS if preset.name == 'an900').values
-MMA7260QT = {
-    'driver.motion': 'walk',
-    'driver.range_g': 4.0,
-    'driver.sample_rate': 3200.0,
-    'driver.samples_per_message': 32,
-}
 SENSORS = {
     'adxl330, x and y': ADXL330,
     'adxl330, all axes': {**ADXL330, 'pedometer.axes': ('x', 'y', 'z')},
     'mma7260qt': MMA7260QT,
-    'mma7260qt, 8 bit': {**MMA7260QT, 'driver.adc_bits': 8},
+    'mma7260qt, 8 bit': MMA7260QT_8_BIT,
 }
 
 
 @cache
 def walk(sensor, cadence, seed=1, after=4.0):
     """Return the samples of a walk of 60 steps of 0.7 m."""
-    configuration = Configuration(
-        {
-            **SENSORS[sensor],
-            'driver.walk.cadence': cadence,
-            'driver.walk.step_length': LENGTH,
-            'driver.walk.steps': STEPS,
-            'driver.simulated.seed': seed,
-        }
-    )
-    source = simulated_sensor(configuration, START_NS)
-    motion = motions.motion_class('walk')
-    duration = motion(configuration[motion.Settings]).duration + after
-    conversions = source.read(round(duration * configuration[DriverSettings].sample_rate))
-    return front_end(configuration).add(conversions)
+    gait = {'cadence': cadence, 'step_length': LENGTH, 'steps': STEPS}
+    return walked(SENSORS[sensor], seed, after, **gait)
 
 
 def count(sensor, cadence, seed=1, **settings):

@@ -22,8 +22,11 @@ class StepLengthModel(Protocol):
     UNIT: ClassVar[str]
     """Unit of k."""
 
-    def size(self, step: Step) -> float:
-        """Return what the length is proportional to, finite and not negative [m/UNIT]."""
+    def size(self, step: Step, height: float) -> float:
+        """Return what the length is proportional to, finite and not negative [m/UNIT].
+
+        ``height`` is that of the pedestrian [m].
+        """
 
 
 def names() -> tuple[str, ...]:

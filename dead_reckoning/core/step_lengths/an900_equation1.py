@@ -19,7 +19,7 @@ class FullnessOfStep:
     K: ClassVar[float] = 1.7
     UNIT: ClassVar[str] = 'm'
 
-    def size(self, step: Step) -> float:
+    def size(self, step: Step, height: float) -> float:
         """Return (avg − min) / (max − min), 0 where nothing varies."""
         samples = step.samples
         if not samples:

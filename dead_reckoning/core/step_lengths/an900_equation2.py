@@ -30,7 +30,7 @@ class BounceOfStep:
     K: ClassVar[float] = 1.05
     UNIT: ClassVar[str] = '√m'
 
-    def size(self, step: Step) -> float:
+    def size(self, step: Step, height: float) -> float:
         """Return the root, 0 where nothing varies."""
         samples = step.samples
         if not samples:

@@ -16,7 +16,7 @@ class ConstantLength:
     K: ClassVar[float] = 0.7
     UNIT: ClassVar[str] = 'm'
 
-    def size(self, step: Step) -> float:
+    def size(self, step: Step, height: float) -> float:
         """Return 1."""
         return 1.0
 

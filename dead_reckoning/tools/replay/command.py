@@ -8,17 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from dead_reckoning.core.errors import DeadReckoningError, InputError
+from dead_reckoning.tools.options import add_recordings
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what the command takes."""
-    parser.add_argument(
-        'inputs',
-        nargs='+',
-        type=Path,
-        metavar='INPUT',
-        help='a rosbag2 folder, a ROS 1 .bag, or a .csv with a header',
-    )
+    add_recordings(parser)
     parser.add_argument('--config', type=Path, required=True, help='parameter file of the nodes')
     parser.add_argument(
         '--output',
@@ -29,19 +24,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--outputs', metavar='LIST', help='names of outputs with commas between; default: all'
-    )
-    parser.add_argument('--imu', metavar='TOPIC', help='topic of the Imu, where several may be')
-    parser.add_argument(
-        '-r',
-        '--remap',
-        type=_remap,
-        action='append',
-        default=[],
-        metavar='NAME:=TOPIC',
-        help='topic of a bag for an input, as aiding/odom:=/wheels/odom; may come several times',
-    )
-    parser.add_argument(
-        '--rate', type=_rate, metavar='HZ', help='samples per second of a .csv without stamps'
     )
     parser.add_argument(
         '--jobs', type=_jobs, default=1, metavar='N', help='replay so many inputs at a time'
@@ -163,23 +145,6 @@ def faults(outcome: Any) -> list[str]:
 
 def _said(value: float | None, form: str, unit: str = '') -> str:
     return NONE if value is None else f'{value:{form}}{unit}'
-
-
-def _remap(text: str) -> tuple[str, str]:
-    name, separator, topic = text.partition(':=')
-    if not (name and separator and topic):
-        raise argparse.ArgumentTypeError(f'{text!r} is not NAME:=TOPIC')
-    return name, topic
-
-
-def _rate(text: str) -> float:
-    try:
-        rate = float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f'{text!r} is no number') from None
-    if not 0.0 < rate <= 1e6:
-        raise argparse.ArgumentTypeError(f'{text} is no rate from 0 to 1000000 Hz')
-    return rate
 
 
 def _jobs(text: str) -> int:

@@ -1,0 +1,1 @@
+"""The command `calibrate`: find a parameter from recordings of something known."""
