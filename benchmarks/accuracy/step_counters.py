@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, find_peaks, sosfiltfilt
 
-from dead_reckoning.core.errors import SampleError
+from dead_reckoning.core.errors import RecordingError, SampleError
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
 from dead_reckoning.core.reference import an900
 from dead_reckoning.core.resampler import Resampler
@@ -28,6 +28,9 @@ PROMINENCE = 1.0
 
 PEAKS_RATE = 50.0
 """Rate it works at [Hz]; a recording that is slower keeps its own."""
+
+SHORTEST = 3.0
+"""What is shorter is no walk [s]."""
 
 AN900_RATE = 30
 """Samples per second of AN-900 [Hz]."""
@@ -179,7 +182,12 @@ class Count:
 
 
 def count(walk: Walk) -> Count:
-    """Count the steps with all settings at their defaults, and with the others."""
+    """Count the steps with all settings at their defaults, and with the others.
+
+    Raises `RecordingError` where the walk is too short for one of them.
+    """
+    if walk.seconds < SHORTEST:
+        raise RecordingError(f'{walk.name}: {walk.seconds:g} s is no walk')
     ours = published(walk)
     found = {PEDOMETER: ours.stamps_ns} | {name: other(walk) for name, other in OTHERS.items()}
     return Count(walk, ours, found)

@@ -51,6 +51,20 @@ def test_a_walk_is_varied():
     assert len(published(varied).stamps_ns) == pytest.approx(STEPS, abs=1)
 
 
+def test_too_short_a_walk_is_said():
+    short = Walk('short', 1, np.array([1, 2_000_000_000]), np.tile(9.81, (2, 3)))
+    with pytest.raises(RecordingError, match='short: 2 s is no walk'):
+        step_counters.count(short)
+
+
+def test_nothing_found_is_nothing_matched():
+    still = Walk('', 0, walk().stamps_ns, np.tile((0.0, 0.0, 9.81), (len(walk().stamps_ns), 1)))
+    counted = step_counters.count(still)
+    assert [len(found) for found in counted.found.values()] == [0] * 4
+    assert len(counted.published.steps_late) == 0
+    assert common_lag([(np.array([]), np.array([1.0]))]) == 0.0
+
+
 def test_steps_late_are_those_made_before_one_came_out():
     stamps_ns = np.array([10, 20, 30, 40])
     going = np.array([False, True, True, True])
