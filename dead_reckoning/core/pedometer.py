@@ -86,6 +86,10 @@ class PedometerSettings(Settings, prefix='pedometer'):
         maximum=100_000.0,
         mutable=True,
     )
+    state_file: str = parameter(
+        '',
+        'File that keeps steps and distance over restarts of the node, ~ for home; empty for none',
+    )
     reorder_time: float = parameter(
         0.1,
         'How long samples are held back for those that come late; later ones are dropped',
@@ -182,6 +186,19 @@ class PedometerState:
     duration: float
 
 
+@dataclass(frozen=True, slots=True)
+class Totals:
+    """What a pedometer goes on from after a restart of its program.
+
+    ``steps``, ``distance``, ``step_length``
+        as in `PedometerState`; the last one for the exponential average.
+    """
+
+    steps: int = 0
+    distance: float = 0.0
+    step_length: float = 0.0
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Calibration:
     """What a walk of a known distance showed: the constant ``k`` and the number of steps."""
@@ -229,6 +246,17 @@ class Pedometer:
         self._calibration = None
         self._order.reset()
         self._end_walk()
+
+    @property
+    def totals(self) -> Totals:
+        """What `resume` goes on from."""
+        return Totals(self.steps, self.distance, self.step_length)
+
+    def resume(self, totals: Totals) -> None:
+        """Go on from totals as if they were its own, with a new walk."""
+        self.reset()
+        self.steps, self.distance = totals.steps, totals.distance
+        self.step_length = totals.step_length
 
     def start(self) -> None:
         """Clear the totals and count."""

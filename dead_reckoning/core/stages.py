@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from dead_reckoning.core.chain import FAULT, NOTICE, Output, Stage
 from dead_reckoning.core.errors import GapError, RestartError, SampleError
@@ -11,7 +11,7 @@ from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.mounting import Mountings, unmounted
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.pairing import StampPairs
-from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, PedometerState
+from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, PedometerState, Totals
 from dead_reckoning.core.samples import ImuSample, LinearAcceleration
 from dead_reckoning.core.stamps import Timeline
 from dead_reckoning.core.step_odometry import StepOdometry
@@ -195,12 +195,17 @@ def pedometer_inputs(settings: PedometerSettings) -> tuple[str, ...]:
 
 
 class StepOutputs:
-    """Give the totals of a pedometer as they change, and the way at each step."""
+    """Give the totals of a pedometer as they change, and the way at each step.
+
+    What is said was kept before.
+    """
 
     def __init__(self, pedometer: Pedometer, odometry: StepOdometry) -> None:
         self._pedometer = pedometer
         self._odometry = odometry
         self._said: dict[str, float] = {}
+        self.keep: Callable[[Totals], None] = lambda _: None
+        """Keeps totals, before they are said, where they outlast the program."""
 
     def of(self, states: Iterable[PedometerState]) -> list[Output]:
         """Return what comes of states, at first the totals too."""
@@ -212,10 +217,13 @@ class StepOutputs:
             walked = self._odometry.update(state)
             if walked is not None:
                 outputs.append((STEP_ODOMETRY, walked))
+        if outputs:
+            self.keep(self._pedometer.totals)
         return outputs if self._said else outputs + self.changes()
 
     def changes(self) -> list[Output]:
         """Return the totals that are others than those that came out last."""
+        self.keep(self._pedometer.totals)
         return self._changes(self._pedometer)
 
     def _changes(self, totals: Pedometer | PedometerState) -> list[Output]:

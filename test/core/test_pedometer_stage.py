@@ -10,7 +10,7 @@ from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.chain import FAULT, Chain
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import GapError, NotFiniteError, RepeatedStampError, RestartError
-from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
+from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, Totals
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import quaternion_from_euler, yaw_from_quaternion
@@ -27,6 +27,7 @@ from dead_reckoning.core.stages import (
     STEP_ODOMETRY,
     STEPS,
     TOTALS,
+    StepOutputs,
     pedometer_inputs,
     pedometer_stage,
 )
@@ -103,6 +104,40 @@ def test_types_are_those_of_the_messages():
     assert {type(value) for value in walker.values(STEPS)} == {int}
     for name in (DISTANCE, STEP_LENGTH, CADENCE):
         assert {type(value) for value in walker.values(name)} == {float}
+
+
+def test_what_is_said_was_kept_before():
+    walker, kept = Walker(), []
+    says = StepOutputs(walker.pedometer, walker.odometry)
+    says.keep = lambda totals: kept.append((totals, len(walker.outputs)))
+    walker.chain = Chain([pedometer_stage(walker.pedometer, walker.odometry, says=says)])
+    walker.walk(walk())
+    assert [totals.steps for totals, _ in kept][-1] == 12
+    said = 0
+    for number, (name, value) in enumerate(walker.outputs):
+        if name == STEPS and value > 0:
+            said += 1
+            assert any(t.steps >= value for t, outputs in kept if outputs <= number)
+    assert said == 12
+    walker.pedometer.reset()
+    walker.chain.push(TOTALS, None)
+    assert kept[-1][0] == Totals()
+
+
+def test_walk_goes_on_from_totals_as_from_its_own():
+    whole = Walker(averaging=4.0).walk(walk(6)).walk(walk(6, start_ns=START_NS + 10**11))
+    begun = Walker(averaging=4.0).walk(walk(6))
+    resumed = Walker(averaging=4.0)
+    resumed.pedometer.resume(begun.pedometer.totals)
+    assert dict(resumed.chain.push(TOTALS, None)) == {
+        STEPS: 6,
+        DISTANCE: begun.pedometer.distance,
+        STEP_LENGTH: begun.pedometer.step_length,
+        CADENCE: 0.0,
+    }
+    resumed.walk(walk(6, start_ns=START_NS + 10**11))
+    assert resumed.pedometer.totals == whole.pedometer.totals
+    assert resumed.values(STEPS) == [7, 8, 9, 10, 11, 12]
 
 
 def test_steps_lead_along_the_orientation():
