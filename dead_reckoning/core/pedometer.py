@@ -25,7 +25,7 @@ class PedometerSettings(Settings, prefix='pedometer'):
 
     input: str = parameter(
         'imu/data_raw',
-        'Topic it counts on; its heading needs imu/data, or compass/data beside either',
+        'Topic it counts on; for a heading imu/data, or compass/data or odom beside either',
         choices=('imu/data_raw', 'imu/data'),
     )
     method: str = parameter(
@@ -107,8 +107,9 @@ class PedometerSettings(Settings, prefix='pedometer'):
     heading: str = parameter(
         'any',
         'What the direction of the steps is taken from: compass (compass/data), orientation (yaw '
-        'of the counted topic), any (the compass while it is heard, else the orientation) or none',
-        choices=('any', 'compass', 'orientation', 'none'),
+        'of the counted topic), any (the compass while it is heard, else the orientation), '
+        'navigator (odom of the inertial navigator) or none',
+        choices=('any', 'compass', 'orientation', 'navigator', 'none'),
     )
     heading_offset: float = parameter(
         0.0,

@@ -12,7 +12,7 @@ from dead_reckoning.core.mounting import Mountings, unmounted
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.pairing import StampPairs
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, PedometerState, Totals
-from dead_reckoning.core.samples import ImuSample, LinearAcceleration
+from dead_reckoning.core.samples import ImuSample, LinearAcceleration, NavigationState
 from dead_reckoning.core.stamps import Timeline
 from dead_reckoning.core.step_odometry import StepOdometry
 
@@ -188,10 +188,10 @@ def integrator_stage(
 
 
 def pedometer_inputs(settings: PedometerSettings) -> tuple[str, ...]:
-    """Name the topics that a pedometer takes: the Imu, and the compass if it is asked for."""
+    """Name the topics that a pedometer takes: the Imu, and what gives the heading beside it."""
     if settings.heading in ('compass', 'any'):
         return (settings.input, COMPASS)
-    return (settings.input,)
+    return (settings.input, ODOMETRY) if settings.heading == 'navigator' else (settings.input,)
 
 
 class StepOutputs:
@@ -244,7 +244,7 @@ def pedometer_stage(
     mountings: Mountings = unmounted,
     says: StepOutputs | None = None,
 ) -> Stage:
-    """Take an Imu and the compass; give the totals on change, and the way at each step."""
+    """Take an Imu and what gives the heading; give the totals on change, the way at each step."""
     steps = says or StepOutputs(pedometer, odometry)
 
     def count(imu: ImuSample) -> list[Output]:
@@ -266,11 +266,16 @@ def pedometer_stage(
         odometry.take_compass(imu)
         return ()
 
-    return {
+    def follow(state: NavigationState) -> tuple[()]:
+        odometry.take_navigator(state)
+        return ()
+
+    taken: Stage = {
         pedometer.settings.input: count,
         COMPASS: turn,
         TOTALS: lambda _: steps.changes(),
     }
+    return {**taken, ODOMETRY: follow} if pedometer.settings.heading == 'navigator' else taken
 
 
 def _gap(max_gap: float) -> GapError:

@@ -1,15 +1,23 @@
 """What a pedometer takes and gives in a chain, alone and beside the integrator."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from random_recordings import assert_same, in_blocks, streamed
 
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.chain import FAULT, Chain
 from dead_reckoning.core.common import CommonSettings
-from dead_reckoning.core.errors import GapError, NotFiniteError, RepeatedStampError, RestartError
+from dead_reckoning.core.errors import (
+    GapError,
+    NotFiniteError,
+    RepeatedStampError,
+    RestartError,
+    SettingsError,
+)
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, Totals
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rest import GRAVITY
@@ -23,6 +31,7 @@ from dead_reckoning.core.stages import (
     IMU,
     ODOMETRY,
     RAW,
+    STEP,
     STEP_LENGTH,
     STEP_ODOMETRY,
     STEPS,
@@ -168,6 +177,7 @@ def test_steps_lead_along_the_compass():
         ({}, (RAW, COMPASS)),
         ({'input': IMU}, (IMU, COMPASS)),
         ({'input': IMU, 'heading': 'orientation'}, (IMU,)),
+        ({'heading': 'navigator'}, (RAW, ODOMETRY)),
         ({'heading': 'none'}, (RAW,)),
     ],
 )
@@ -273,3 +283,63 @@ def test_pedometer_in_a_pipeline_gives_the_same_numbers_as_alone():
     together = [output for imu in walk() for output in chain.push(RAW, imu) if output[0] in wanted]
     alone = [output for output in Walker().walk(walk()).outputs if output[0] in wanted]
     assert together == alone
+
+
+# Along the inertial navigator ------------------------------------------------------------------
+
+NAVIGATED = {
+    'pipeline.estimators': ['inertial_navigator', 'pedometer'],
+    'pedometer.heading': 'navigator',
+}
+
+
+def turning_walk(rate_of_turn=0.4):
+    """Return samples of a walk on a circle, after a rest."""
+    samples = walk(30)
+    still = 3 * RATE
+    return [
+        replace(
+            imu,
+            angular_velocity=(
+                0.0,
+                0.0,
+                rate_of_turn if still <= k < len(samples) - still else 0.0,
+            ),
+            specific_force=(0.0, 0.0, imu.specific_force[2]),
+        )
+        for k, imu in enumerate(samples)
+    ]
+
+
+def test_steps_lead_along_the_navigator_beside():
+    found = streamed(NAVIGATED, RAW, turning_walk())
+    assert len(found[STEP_ODOMETRY]) == 30
+    stamps = np.array([state.stamp_ns for _, state in found[ODOMETRY]])
+    yaws = np.unwrap([yaw_from_quaternion(state.attitude) for _, state in found[ODOMETRY]])
+    place = np.zeros(2)
+    for (_, step), (_, walked) in zip(found[STEP], found[STEP_ODOMETRY], strict=True):
+        yaw = np.interp(step.stamp_ns - 0.5e9 * step.duration, stamps, yaws)
+        place += step.step_length * np.array([np.cos(yaw), np.sin(yaw)])
+        assert walked.position[:2] == pytest.approx(place, abs=0.01)
+    assert yaws[-1] > 2.0 * np.pi
+
+
+@pytest.mark.parametrize(
+    'more', [{}, {'pedometer.input': IMU, 'gravity.attitude': 'estimate'}], ids=['raw', 'levelled']
+)
+@pytest.mark.parametrize('cuts', [[], [500, 501, 900]])
+def test_replay_goes_along_the_navigator_too(more, cuts):
+    samples = turning_walk()
+    again = [replace(imu, stamp_ns=imu.stamp_ns - 10**12) for imu in samples]  # goes back
+    values = {**NAVIGATED, **more}
+    stream = streamed(values, RAW, samples + again)
+    blocks = in_blocks(values, RAW, samples + again, cuts)
+    assert len(stream[STEP_ODOMETRY]) == 60
+    for name in (STEPS, DISTANCE, ODOMETRY, STEP_ODOMETRY, FAULT):
+        assert_same({name: blocks[name]}, {name: stream[name]})
+
+
+def test_heading_of_a_navigator_needs_one():
+    settings = {**NAVIGATED, 'pipeline.estimators': ['integrator', 'pedometer']}
+    with pytest.raises(SettingsError, match='add inertial_navigator there'):
+        Pipeline(Configuration(settings))

@@ -166,6 +166,33 @@ def test_steps_lead_along_the_compass(ros, executor):
     assert (point.x, point.y) == pytest.approx((0.0, walker.values(DISTANCE)[-1]), abs=1e-6)
 
 
+def test_steps_lead_along_a_navigator(ros):
+    settings = {'pedometer.heading': 'navigator'}
+    walker = Walker(ros, **settings, **lossless('/odom'))
+    odom = ros.publisher('odom', Odometry)
+    messages = walk(12)
+    for message in messages[::5]:
+        state = Odometry(header=message.header)
+        state.pose.pose.orientation.z, state.pose.pose.orientation.w = LEVEL[2:]
+        state.pose.covariance[35] = 0.04
+        odom.publish(state)
+        ros.spin(0.001)
+    walker.send(messages)
+    walker.wait(12)
+    pose = walker.recordings[ODOM].wait(12)[-1].pose
+    assert math.atan2(pose.pose.position.y, pose.pose.position.x) == pytest.approx(YAW)
+    assert pose.covariance[35] == pytest.approx(0.04 + 0.1**2)
+
+
+def test_navigator_that_gives_nothing_is_missed(ros):
+    walker = Walker(ros, **{'pedometer.heading': 'navigator', 'common.input_timeout': 0.2})
+    diagnostics = ros.diagnostics()
+    walker.walk(6)
+    shown = diagnostics.until('pedometer', lambda s: 'SilentInputError' in figures(s), 'silence')
+    assert 'nothing on /odom so far' in shown.message
+    assert 'start inertial_navigator' in shown.message
+
+
 def test_start_stop_and_reset(ros, executor):
     walker = Walker(ros, executor, 'imu/data')
     walker.walk(6, orientation=LEVEL)
