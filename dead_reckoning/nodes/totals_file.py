@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import time
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import suppress
 from errno import EWOULDBLOCK
@@ -16,7 +17,6 @@ from zlib import crc32
 
 from dead_reckoning.core.errors import (
     DamagedStateError,
-    DeadReckoningError,
     SettingsError,
     StateFileError,
 )
@@ -29,6 +29,9 @@ MOST_STEPS = 2**31
 LONGEST_FILE = 4096
 LONGEST_WAIT = 0.05
 """How long [s] a sample waits for the disk; a slower one writes while samples go on."""
+
+PATIENCE = 5.0
+"""How long [s] a disk may take until that is said."""
 
 
 class TotalsFile:
@@ -59,10 +62,11 @@ class TotalsFile:
                 f'pedometer.state_file: {path!r} can not be kept ({why}); name a file of yours, '
                 'in a folder that exists'
             ) from error
-        self._newest = self._kept = self.totals
+        self._newest = self.totals
+        self._kept: Totals | None = self.totals
         self._writer = ThreadPoolExecutor(1, 'totals')
-        self.error: DeadReckoningError | None = None
-        """Why the newest totals are not in the file."""
+        self._asked = 0.0
+        self._refused = ''
 
     def keep(self, totals: Totals) -> None:
         """Write totals, and wait until they are safe, but `LONGEST_WAIT` at most.
@@ -70,8 +74,24 @@ class TotalsFile:
         What can't be written is in ``error``, and is tried again with the next totals.
         """
         if totals != self._newest:
+            if self._newest == self._kept:
+                self._asked = time.monotonic()
             self._newest = totals
             wait([self._writer.submit(self._write_newest)], LONGEST_WAIT)
+
+    @property
+    def error(self) -> StateFileError | None:
+        """Why the newest totals are not in the file, where they should be by now."""
+        why = self._refused
+        if not why:
+            late = time.monotonic() - self._asked
+            if self._newest == self._kept or late < PATIENCE:
+                return None
+            why = f'the disk has not answered for {PATIENCE:g} s'
+        return StateFileError(
+            f'{self.path} can not be written ({why}): a restart would lose what was walked since; '
+            'it is tried again with each step'
+        )
 
     def close(self) -> None:
         """Write what is not written yet, and let others have the file."""
@@ -99,15 +119,13 @@ class TotalsFile:
         totals = self._newest
         if totals == self._kept:
             return
+        self._kept = None  # until it is known what is in the file
         try:
             self._write(totals)
         except OSError as error:
-            self.error = StateFileError(
-                f'{self.path} can not be written ({error.strerror}): a restart would lose what '
-                'was walked since; it is tried again with each step'
-            )
+            self._refused = error.strerror or str(error)
         else:
-            self._kept, self.error = totals, None
+            self._kept, self._refused = totals, ''
 
     def _write(self, totals: Totals) -> None:
         with self._part.open('wb') as file:

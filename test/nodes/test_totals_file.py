@@ -207,8 +207,12 @@ def test_slow_disk_does_not_hold_samples_up(path, monkeypatch):
         file.keep(Totals(steps, 0.7 * steps, 0.7))
     assert time.monotonic() - begin < 5 * totals_file.LONGEST_WAIT + 1.0
     assert decode(path.read_bytes()) == Totals()
+    assert file.error is None
+    monkeypatch.setattr(totals_file, 'PATIENCE', 0.01)
+    assert 'the disk has not answered' in str(file.error)
     goes_on.set()
     file.close()
+    assert file.error is None
     assert decode(path.read_bytes()).steps == 5
 
 
