@@ -58,7 +58,7 @@ def topics(frames: FrameSettings) -> dict[str, Topic]:
             block_wire.encode_accelerations,
             source='gravity_removal',
         ),
-        stages.ODOMETRY: odometry,
+        stages.ODOMETRY: replace(odometry, source='inertial_navigator'),
         stages.GROUND_TRUTH: replace(odometry, source='the simulated accelerometer_driver'),
         stages.SMOOTHED: odometry,
         stages.PATH: Topic('nav_msgs/msg/Path', wire.path_encoder(frames.world), latched=True),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import Any
 
 import numpy as np
@@ -14,8 +14,8 @@ from dead_reckoning.core.batch.gravity import level_run
 from dead_reckoning.core.batch.integrator import integrator_run
 from dead_reckoning.core.batch.navigator import navigator_run
 from dead_reckoning.core.batch.pedometer import pedometer_run
-from dead_reckoning.core.blocks import ANY_BLOCK, BLOCKS, Stamped, StateBlock
-from dead_reckoning.core.chain import END, FAULT, Output, Stage
+from dead_reckoning.core.blocks import ANY_BLOCK, BLOCKS, ImuBlock, Stamped, StateBlock
+from dead_reckoning.core.chain import END, FAULT, Chain, Output, Stage
 from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.core.errors import DeadReckoningError
 from dead_reckoning.core.gravity import GravityRemoval
@@ -41,6 +41,9 @@ from dead_reckoning.core.stages import (
     pedometer_stage,
 )
 from dead_reckoning.core.step_odometry import StepOdometry
+
+PART = 64
+"""Samples of a part: less than the headings of ten seconds that are kept, at 12.5 Hz too."""
 
 
 def blockwise(stage: Stage, runs: Mapping[str, Run] | None = None) -> Stage:
@@ -114,13 +117,59 @@ def pedometer_block_stage(
         newest_ns = pedometer.newest_ns
         if newest_ns is None:
             return []
-        outputs = [
+        return [
             (n, StateBlock.of([v]) if isinstance(v, NavigationState) else Stamped(newest_ns, v))
             for n, v in stage[END](None)
         ]
+
+    taken = {**blockwise(stage, {pedometer.settings.input: run}), END: end}
+    if pedometer.settings.heading != 'navigator':
+        return taken
+    return {**taken, **_one_late(pedometer.settings.input, taken)}
+
+
+def in_parts(stages: Iterable[Stage], inputs: Iterable[str]) -> Stage:
+    """Run stages over short parts of blocks, for those that go by what another one knows.
+
+    ``inputs`` are all that comes from outside.  The stamps of a part rise.
+    """
+    chain = Chain(stages)
+
+    def take(name: str, block: Any) -> list[Output]:
+        made: dict[str, list[Any]] = {}
+        outputs: list[Output] = []
+        for part in _parts(block):
+            for given, value in chain.push(name, part):
+                if isinstance(value, ANY_BLOCK):
+                    made.setdefault(given, []).append(value)
+                else:
+                    outputs.append((given, value))
+        return [*outputs, *((given, _joined(values)) for given, values in made.items())]
+
+    return {**{name: partial(take, name) for name in inputs}, END: lambda _: chain.end()}
+
+
+def _parts(block: Any) -> Iterable[Any]:
+    if not isinstance(block, ImuBlock):
+        return [block]
+    back = np.flatnonzero(np.diff(block.stamp_ns) < 0) + 1
+    cuts = sorted({*range(0, len(block), PART), *back.tolist(), len(block)})
+    return (block.part(begin, end) for begin, end in pairwise(cuts))
+
+
+def _one_late(name: str, stage: Stage) -> Stage:
+    """Let a stage take a block of an input when the next one comes, or the end."""
+    waiting: list[Any] = []
+
+    def take() -> Iterable[Output]:
+        return stage[name](waiting.pop(0)) if waiting else ()
+
+    def later(block: Any) -> Iterable[Output]:
+        outputs = list(take())
+        waiting.append(block)
         return outputs
 
-    return {**blockwise(stage, {pedometer.settings.input: run}), END: end}
+    return {name: later, END: lambda _: [*take(), *stage[END](None)]}
 
 
 def _with_rests(stage: Stage, rest: RestOutput) -> Stage:

@@ -138,6 +138,14 @@ class StepCalibrationError(DeadReckoningError):
     """The constant of the step length can't be found: nothing was begun, or nobody walked."""
 
 
+class StateFileError(DeadReckoningError):
+    """The file that keeps the totals of a pedometer can't be written."""
+
+
+class DamagedStateError(DeadReckoningError):
+    """The file that keeps the totals of a pedometer is not as it was written."""
+
+
 class SupersededError(DeadReckoningError):
     """A task was asked for again before it ended."""
 

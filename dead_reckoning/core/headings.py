@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from dead_reckoning.core.checks import LARGEST_VARIANCE
 from dead_reckoning.core.rotation import normalized
-from dead_reckoning.core.samples import NANOSECONDS, UNKNOWN, ImuSample
+from dead_reckoning.core.samples import NANOSECONDS, UNKNOWN, ImuSample, Matrix, Quaternion
 from dead_reckoning.core.stamps import RESTART_NS
 
 SPACING_NS = NANOSECONDS // 50
@@ -55,9 +55,12 @@ class HeadingHistory:
 
         Raises `NotFiniteError` for an orientation that is no rotation.
         """
-        if imu.orientation is None:
-            return
-        stamps, stamp_ns = self._stamps, imu.stamp_ns
+        if imu.orientation is not None:
+            self.take(imu.stamp_ns, imu.orientation, imu.orientation_covariance)
+
+    def take(self, stamp_ns: int, orientation: Quaternion, covariance: Matrix) -> None:
+        """Take the heading of an orientation; see `ImuSample` for both, and `add`."""
+        stamps = self._stamps
         if stamps and stamp_ns <= stamps[-1] - RESTART_NS:
             self.reset()
             stamps = self._stamps
@@ -66,12 +69,11 @@ class HeadingHistory:
             return
         if at < len(stamps) and stamps[at] - stamp_ns < SPACING_NS:
             return
-        qx, qy, qz, qw = normalized(imu.orientation)
+        qx, qy, qz, qw = normalized(orientation)
         east, north = 1.0 - 2.0 * (qy * qy + qz * qz), 2.0 * (qw * qz + qx * qy)
         level = (east * east + north * north) ** 0.5
         if level < MINIMUM_LEVEL:
             return
-        covariance = imu.orientation_covariance
         variance = self._variance if covariance == UNKNOWN else covariance[8]
         if not 0.0 <= variance <= LARGEST_VARIANCE:  # NaN too
             variance = self._variance

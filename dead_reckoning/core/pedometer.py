@@ -25,7 +25,7 @@ class PedometerSettings(Settings, prefix='pedometer'):
 
     input: str = parameter(
         'imu/data_raw',
-        'Topic it counts on; its heading needs imu/data, or compass/data beside either',
+        'Topic it counts on; for a heading imu/data, or compass/data or odom beside either',
         choices=('imu/data_raw', 'imu/data'),
     )
     method: str = parameter(
@@ -99,6 +99,10 @@ class PedometerSettings(Settings, prefix='pedometer'):
         maximum=100_000.0,
         mutable=True,
     )
+    state_file: str = parameter(
+        '',
+        'File that keeps steps and distance over restarts of the node, ~ for home; empty for none',
+    )
     reorder_time: float = parameter(
         0.1,
         'How long samples are held back for those that come late; later ones are dropped',
@@ -116,8 +120,9 @@ class PedometerSettings(Settings, prefix='pedometer'):
     heading: str = parameter(
         'any',
         'What the direction of the steps is taken from: compass (compass/data), orientation (yaw '
-        'of the counted topic), any (the compass while it is heard, else the orientation) or none',
-        choices=('any', 'compass', 'orientation', 'none'),
+        'of the counted topic), any (the compass while it is heard, else the orientation), '
+        'navigator (odom of the inertial navigator) or none',
+        choices=('any', 'compass', 'orientation', 'navigator', 'none'),
     )
     heading_offset: float = parameter(
         0.0,
@@ -195,6 +200,19 @@ class PedometerState:
     duration: float
 
 
+@dataclass(frozen=True, slots=True)
+class Totals:
+    """What a pedometer goes on from after a restart of its program.
+
+    ``steps``, ``distance``, ``step_length``
+        as in `PedometerState`; the last one for the exponential average.
+    """
+
+    steps: int = 0
+    distance: float = 0.0
+    step_length: float = 0.0
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Calibration:
     """What a walk of a known distance showed: the constant ``k`` and the number of steps."""
@@ -244,6 +262,17 @@ class Pedometer:
         self._calibration = None
         self._order.reset()
         self._end_walk()
+
+    @property
+    def totals(self) -> Totals:
+        """What `resume` goes on from."""
+        return Totals(self.steps, self.distance, self.step_length)
+
+    def resume(self, totals: Totals) -> None:
+        """Go on from totals as if they were its own, with a new walk."""
+        self.reset()
+        self.steps, self.distance = totals.steps, totals.distance
+        self.step_length = totals.step_length
 
     def start(self) -> None:
         """Clear the totals and count."""

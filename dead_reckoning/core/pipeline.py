@@ -162,7 +162,14 @@ class Pipeline:
             if not blocks:
                 self.between += (STATISTIC, THRESHOLD)
             inputs += [name for name in navigator_inputs(navigator) if name not in made]
+            made.add(ODOMETRY)
         if counts:
+            along = pedometer.heading == 'navigator'
+            if along and NAVIGATOR not in estimators:
+                raise SettingsError(
+                    "pedometer.heading: 'navigator' is not allowed, as pipeline.estimators has "
+                    'none; add inertial_navigator there, or take another heading'
+                )
             self.pedometer = Pedometer(pedometer, parts[pedometer.method_part])
             self.step_odometry = StepOdometry(pedometer, common)
             self.steps = StepOutputs(self.pedometer, self.step_odometry)
@@ -172,6 +179,8 @@ class Pipeline:
             self.outputs += PEDOMETER_OUTPUTS
             inputs += [name for name in pedometer_inputs(pedometer) if name not in made]
         self.inputs = tuple(dict.fromkeys(inputs))
+        if blocks and counts and along:
+            stages = [_in_parts(stages, self.inputs)]
         self.stages: tuple[Stage, ...] = (*stages, *more)
         self.chain = Chain(self.stages)
 
@@ -199,6 +208,12 @@ def _stages(blocks: bool) -> _Stages:
     return _Stages(
         gravity_block_stage, integrator_block_stage, pedometer_block_stage, navigator_block_stage
     )
+
+
+def _in_parts(stages: Iterable[Stage], inputs: Iterable[str]) -> Stage:
+    from dead_reckoning.core.block_stages import in_parts
+
+    return in_parts(stages, inputs)
 
 
 def _navigator_stage(

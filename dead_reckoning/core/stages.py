@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from dead_reckoning.core.chain import END, FAULT, NOTICE, Output, Stage
 from dead_reckoning.core.errors import GapError, RestartError, SampleError
@@ -11,8 +11,8 @@ from dead_reckoning.core.integrator import Integrator
 from dead_reckoning.core.mounting import Mountings, unmounted
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.pairing import StampPairs
-from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, PedometerState
-from dead_reckoning.core.samples import ImuSample, LinearAcceleration
+from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, PedometerState, Totals
+from dead_reckoning.core.samples import ImuSample, LinearAcceleration, NavigationState
 from dead_reckoning.core.stamps import Timeline
 from dead_reckoning.core.step_odometry import StepOdometry
 
@@ -188,19 +188,24 @@ def integrator_stage(
 
 
 def pedometer_inputs(settings: PedometerSettings) -> tuple[str, ...]:
-    """Name the topics that a pedometer takes: the Imu, and the compass if it is asked for."""
+    """Name the topics that a pedometer takes: the Imu, and what gives the heading beside it."""
     if settings.heading in ('compass', 'any'):
         return (settings.input, COMPASS)
-    return (settings.input,)
+    return (settings.input, ODOMETRY) if settings.heading == 'navigator' else (settings.input,)
 
 
 class StepOutputs:
-    """Give the totals of a pedometer as they change, and the way at each step."""
+    """Give the totals of a pedometer as they change, and the way at each step.
+
+    What is said was kept before.
+    """
 
     def __init__(self, pedometer: Pedometer, odometry: StepOdometry) -> None:
         self._pedometer = pedometer
         self._odometry = odometry
         self._said: dict[str, float] = {}
+        self.keep: Callable[[Totals], None] = lambda _: None
+        """Keeps totals, before they are said, where they outlast the program."""
 
     def of(self, states: Iterable[PedometerState]) -> list[Output]:
         """Return what comes of states, at first the totals too."""
@@ -212,10 +217,13 @@ class StepOutputs:
             walked = self._odometry.update(state)
             if walked is not None:
                 outputs.append((STEP_ODOMETRY, walked))
+        if outputs:
+            self.keep(self._pedometer.totals)
         return outputs if self._said else outputs + self.changes()
 
     def changes(self) -> list[Output]:
         """Return the totals that are others than those that came out last."""
+        self.keep(self._pedometer.totals)
         return self._changes(self._pedometer)
 
     def _changes(self, totals: Pedometer | PedometerState) -> list[Output]:
@@ -236,7 +244,7 @@ def pedometer_stage(
     mountings: Mountings = unmounted,
     says: StepOutputs | None = None,
 ) -> Stage:
-    """Take an Imu and the compass; give the totals on change, and the way at each step."""
+    """Take an Imu and what gives the heading; give the totals on change, the way at each step."""
     steps = says or StepOutputs(pedometer, odometry)
 
     def count(imu: ImuSample) -> list[Output]:
@@ -258,12 +266,17 @@ def pedometer_stage(
         odometry.take_compass(imu)
         return ()
 
-    return {
+    def follow(state: NavigationState) -> tuple[()]:
+        odometry.take_navigator(state)
+        return ()
+
+    taken: Stage = {
         pedometer.settings.input: count,
         COMPASS: turn,
         TOTALS: lambda _: steps.changes(),
         END: lambda _: steps.of(pedometer.flush()),
     }
+    return {**taken, ODOMETRY: follow} if pedometer.settings.heading == 'navigator' else taken
 
 
 def _gap(max_gap: float) -> GapError:

@@ -47,7 +47,10 @@ class NavigatorChain(LiveChain):
         if navigator.settings.smoothing:
             return None
         taken = navigator.settings.input
-        return taken if counting is None or counting.settings.input == taken else None
+        if counting is None:
+            return taken
+        asked = counting.settings
+        return taken if asked.input == taken and asked.heading != 'navigator' else None
 
     def _regular_since(self) -> tuple[int, float] | None:
         last_ns = regular_since(self._navigator)

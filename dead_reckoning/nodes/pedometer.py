@@ -12,11 +12,13 @@ from dead_reckoning.core.stages import (
     COMPASS,
     PEDOMETER_OUTPUTS,
     TOTALS,
+    StepOutputs,
     pedometer_inputs,
     pedometer_stage,
 )
 from dead_reckoning.core.step_odometry import StepOdometry
 from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.totals_file import TotalsFile
 from dead_reckoning.nodes.transforms import mountings
 
 
@@ -28,13 +30,32 @@ class PedometerNode(ChainNode):
         settings = self.configuration[PedometerSettings]
         pedometer = Pedometer(settings, self.configuration[settings.method_part])
         odometry = StepOdometry(settings, self.common)
+        says = StepOutputs(pedometer, odometry)
         self.connect(
-            Chain([pedometer_stage(pedometer, odometry, mountings(self, self.frames))]),
+            Chain([pedometer_stage(pedometer, odometry, mountings(self, self.frames), says)]),
             inputs=pedometer_inputs(settings),
             outputs=PEDOMETER_OUTPUTS,
             optional=() if settings.heading == 'compass' else (COMPASS,),
         )
+        resume(self, pedometer, says)
         serve(self, pedometer, odometry, calibrate='calibrate')
+
+
+def resume(node: ChainNode, pedometer: Pedometer, says: StepOutputs) -> None:
+    """Let the totals of a connected node outlast it, where `pedometer.state_file` asks for it.
+
+    Raises `SettingsError` where the file can't be kept.
+    """
+    if not pedometer.settings.state_file:
+        return
+    file = TotalsFile(pedometer.settings.state_file)
+    node.at_end(file.close)
+    if file.damage is not None:
+        node.diagnostics.fault(file.damage)
+    pedometer.resume(file.totals)
+    says.keep = file.keep
+    node.watch(lambda: [] if (error := file.error) is None else [(str(file.path), error)])
+    node.push(TOTALS, None)
 
 
 def serve(

@@ -51,6 +51,8 @@ class PipelineNode(ChainNode):
             on_demand=between,
             optional=AIDING if self._needs_compass(pipeline) else BESIDE,
         )
+        if pipeline.pedometer is not None and pipeline.steps is not None:
+            pedometer.resume(self, pipeline.pedometer, pipeline.steps)
         if driver is not None:
             self.driver = driver(self, self.configuration)
         if pipeline.gravity is not None:

@@ -1,16 +1,24 @@
 """What a pedometer takes and gives in a chain, alone and beside the integrator."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from random_recordings import assert_same, in_blocks, streamed
 
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.chain import FAULT, Chain
 from dead_reckoning.core.common import CommonSettings
-from dead_reckoning.core.errors import GapError, NotFiniteError, RepeatedStampError, RestartError
-from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
+from dead_reckoning.core.errors import (
+    GapError,
+    NotFiniteError,
+    RepeatedStampError,
+    RestartError,
+    SettingsError,
+)
+from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, Totals
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import quaternion_from_euler, yaw_from_quaternion
@@ -23,10 +31,12 @@ from dead_reckoning.core.stages import (
     IMU,
     ODOMETRY,
     RAW,
+    STEP,
     STEP_LENGTH,
     STEP_ODOMETRY,
     STEPS,
     TOTALS,
+    StepOutputs,
     pedometer_inputs,
     pedometer_stage,
 )
@@ -105,6 +115,40 @@ def test_types_are_those_of_the_messages():
         assert {type(value) for value in walker.values(name)} == {float}
 
 
+def test_what_is_said_was_kept_before():
+    walker, kept = Walker(), []
+    says = StepOutputs(walker.pedometer, walker.odometry)
+    says.keep = lambda totals: kept.append((totals, len(walker.outputs)))
+    walker.chain = Chain([pedometer_stage(walker.pedometer, walker.odometry, says=says)])
+    walker.walk(walk())
+    assert [totals.steps for totals, _ in kept][-1] == 12
+    said = 0
+    for number, (name, value) in enumerate(walker.outputs):
+        if name == STEPS and value > 0:
+            said += 1
+            assert any(t.steps >= value for t, outputs in kept if outputs <= number)
+    assert said == 12
+    walker.pedometer.reset()
+    walker.chain.push(TOTALS, None)
+    assert kept[-1][0] == Totals()
+
+
+def test_walk_goes_on_from_totals_as_from_its_own():
+    whole = Walker(averaging=4.0).walk(walk(6)).walk(walk(6, start_ns=START_NS + 10**11))
+    begun = Walker(averaging=4.0).walk(walk(6))
+    resumed = Walker(averaging=4.0)
+    resumed.pedometer.resume(begun.pedometer.totals)
+    assert dict(resumed.chain.push(TOTALS, None)) == {
+        STEPS: 6,
+        DISTANCE: begun.pedometer.distance,
+        STEP_LENGTH: begun.pedometer.step_length,
+        CADENCE: 0.0,
+    }
+    resumed.walk(walk(6, start_ns=START_NS + 10**11))
+    assert resumed.pedometer.totals == whole.pedometer.totals
+    assert resumed.values(STEPS) == [7, 8, 9, 10, 11, 12]
+
+
 def test_steps_lead_along_the_orientation():
     walker = Walker(input=IMU).walk(walk(orientation=quaternion_from_euler(0.0, 0.1, 0.7)))
     states = walker.values(STEP_ODOMETRY)
@@ -133,6 +177,7 @@ def test_steps_lead_along_the_compass():
         ({}, (RAW, COMPASS)),
         ({'input': IMU}, (IMU, COMPASS)),
         ({'input': IMU, 'heading': 'orientation'}, (IMU,)),
+        ({'heading': 'navigator'}, (RAW, ODOMETRY)),
         ({'heading': 'none'}, (RAW,)),
     ],
 )
@@ -238,3 +283,63 @@ def test_pedometer_in_a_pipeline_gives_the_same_numbers_as_alone():
     together = [output for imu in walk() for output in chain.push(RAW, imu) if output[0] in wanted]
     alone = [output for output in Walker().walk(walk()).outputs if output[0] in wanted]
     assert together == alone
+
+
+# Along the inertial navigator ------------------------------------------------------------------
+
+NAVIGATED = {
+    'pipeline.estimators': ['inertial_navigator', 'pedometer'],
+    'pedometer.heading': 'navigator',
+}
+
+
+def turning_walk(rate_of_turn=0.4):
+    """Return samples of a walk on a circle, after a rest."""
+    samples = walk(30)
+    still = 3 * RATE
+    return [
+        replace(
+            imu,
+            angular_velocity=(
+                0.0,
+                0.0,
+                rate_of_turn if still <= k < len(samples) - still else 0.0,
+            ),
+            specific_force=(0.0, 0.0, imu.specific_force[2]),
+        )
+        for k, imu in enumerate(samples)
+    ]
+
+
+def test_steps_lead_along_the_navigator_beside():
+    found = streamed(NAVIGATED, RAW, turning_walk())
+    assert len(found[STEP_ODOMETRY]) == 30
+    stamps = np.array([state.stamp_ns for _, state in found[ODOMETRY]])
+    yaws = np.unwrap([yaw_from_quaternion(state.attitude) for _, state in found[ODOMETRY]])
+    place = np.zeros(2)
+    for (_, step), (_, walked) in zip(found[STEP], found[STEP_ODOMETRY], strict=True):
+        yaw = np.interp(step.stamp_ns - 0.5e9 * step.duration, stamps, yaws)
+        place += step.step_length * np.array([np.cos(yaw), np.sin(yaw)])
+        assert walked.position[:2] == pytest.approx(place, abs=0.01)
+    assert yaws[-1] > 2.0 * np.pi
+
+
+@pytest.mark.parametrize(
+    'more', [{}, {'pedometer.input': IMU, 'gravity.attitude': 'estimate'}], ids=['raw', 'levelled']
+)
+@pytest.mark.parametrize('cuts', [[], [500, 501, 900]])
+def test_replay_goes_along_the_navigator_too(more, cuts):
+    samples = turning_walk()
+    again = [replace(imu, stamp_ns=imu.stamp_ns - 10**12) for imu in samples]  # goes back
+    values = {**NAVIGATED, **more}
+    stream = streamed(values, RAW, samples + again)
+    blocks = in_blocks(values, RAW, samples + again, cuts)
+    assert len(stream[STEP_ODOMETRY]) == 60
+    for name in (STEPS, DISTANCE, ODOMETRY, STEP_ODOMETRY, FAULT):
+        assert_same({name: blocks[name]}, {name: stream[name]})
+
+
+def test_heading_of_a_navigator_needs_one():
+    settings = {**NAVIGATED, 'pipeline.estimators': ['integrator', 'pedometer']}
+    with pytest.raises(SettingsError, match='add inertial_navigator there'):
+        Pipeline(Configuration(settings))

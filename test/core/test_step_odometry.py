@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 from dead_reckoning.core.common import CommonSettings
 from dead_reckoning.core.errors import MissingAttitudeError
 from dead_reckoning.core.pedometer import PedometerSettings, PedometerState
 from dead_reckoning.core.rotation import quaternion_from_euler, yaw_from_quaternion
-from dead_reckoning.core.samples import UNKNOWN, UNMEASURED_VARIANCE, ImuSample
+from dead_reckoning.core.samples import UNKNOWN, UNMEASURED_VARIANCE, ImuSample, NavigationState
 from dead_reckoning.core.step_odometry import StepOdometry
 
 START_NS = 1_700_000_000_000_000_000
@@ -31,6 +32,17 @@ def oriented(stamp_ns, yaw, variance=None):
         (0.0, 0.0, 9.8),
         orientation=quaternion_from_euler(0.0, 0.0, yaw),
         orientation_covariance=covariance,
+    )
+
+
+def navigated(stamp_ns, yaw, variance):
+    """Return a state of an inertial navigator."""
+    return NavigationState(
+        stamp_ns,
+        (0.0, 0.0, 0.0),
+        (0.0, 0.0, 0.0),
+        quaternion_from_euler(0.0, 0.0, yaw),
+        attitude_covariance=(0.1, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, variance),
     )
 
 
@@ -116,12 +128,20 @@ def test_reset_returns_to_the_origin_known_exactly():
 
 @pytest.mark.parametrize(
     ('choice', 'expected'),
-    [('any', 1.0), ('compass', 1.0), ('orientation', 2.0), ('none', None)],
+    [
+        ('any', 1.0),
+        ('compass', 1.0),
+        ('orientation', 2.0),
+        ('navigator', 3.0),
+        ('none', None),
+    ],
 )
 def test_source_is_as_chosen(choice, expected):
     made = odometry(heading=choice)
     made.take_compass(oriented(START_NS + STEP_NS // 2, 1.0))
     made.take_orientation(oriented(START_NS + STEP_NS // 2, 2.0))
+    if choice == 'navigator':
+        made.take_navigator(navigated(START_NS + STEP_NS // 2, 3.0, 0.01))
     state = made.update(step(1))
     found = state and yaw_from_quaternion(state.attitude)
     assert found == (expected and pytest.approx(expected))
@@ -143,7 +163,8 @@ def test_straight_walk_spreads_along_by_k_and_across_by_heading():
         end = walk(odometry(**settings), [0.0] * count, variance=0.03)[-1]
         covariance = position_covariance(end)
         distance = LENGTH * count
-        assert math.sqrt(covariance[0, 0]) == pytest.approx(0.06 * distance)
+        shorter = 0.75 * 0.04**2
+        assert covariance[0, 0] == pytest.approx((0.06**2 + shorter) * distance**2)
         assert math.sqrt(covariance[1, 1]) == pytest.approx(math.sqrt(0.04) * distance)
         assert covariance[0, 1] == pytest.approx(0.0, abs=1e-12)
 
@@ -172,6 +193,73 @@ def test_covariance_is_that_of_the_errors(yaws):
     np.testing.assert_allclose(
         np.cov(np.transpose(ends)), covariance, atol=0.1 * np.trace(covariance)
     )
+
+
+def known_all_along(random, count):
+    """Return errors of a compass, each with its variance: one bias for all."""
+    return np.full(count, random.normal(0.0, 0.08)), np.full(count, 0.08**2)
+
+
+def drifting(random, count, corrections=0):
+    """Return errors of a yaw that a gyro carries, with the variances that its filter gives.
+
+    The best estimate of a random walk, of which something is measured so often.
+    """
+    rate, noise = 0.014**2, 0.1**2
+    error, variance = random.normal(0.0, 0.02), 0.02**2
+    errors, variances = [], []
+    for k in range(count):
+        error, variance = error + random.normal(0.0, rate**0.5), variance + rate
+        if corrections and k % (count // corrections) == 0:
+            gain = variance / (variance + noise)
+            error += gain * (random.normal(0.0, noise**0.5) - error)
+            variance *= 1.0 - gain
+        errors.append(error)
+        variances.append(variance)
+    return np.array(errors), np.array(variances)
+
+
+def corrected(random, count):
+    return drifting(random, count, corrections=10)
+
+
+@pytest.mark.parametrize('heading', [known_all_along, drifting, corrected])
+@pytest.mark.parametrize(
+    'yaws',
+    [
+        np.zeros(100),
+        np.repeat([0.0, np.pi], 50),  # there and back
+        np.repeat([0.0, 1.5, 3.1, 4.7], 25),
+        np.linspace(0.0, 4.0 * np.pi, 100),
+    ],
+    ids=['straight', 'back', 'square', 'circles'],
+)
+def test_error_is_as_large_as_the_covariance_says(heading, yaws):
+    """ANEES: walks with the errors of k, mounting, heading and single steps that settings say."""
+    random, walks = np.random.default_rng(21), 120
+    settings = PedometerSettings(heading_deviation=0.05, heading='navigator')
+    looks = (len(yaws) // 2, len(yaws) - 1)
+    nees = np.zeros((walks, len(looks)))
+    for walk_number in range(walks):
+        made = StepOdometry(settings, CommonSettings())
+        errors, variances = heading(random, len(yaws))
+        k = 1.0 + settings.length_deviation * random.normal()
+        offset = settings.heading_deviation * random.normal()
+        true = np.array(yaws) - errors - offset
+        ways = k * LENGTH * np.column_stack([np.cos(true), np.sin(true)])
+        ways += settings.step_deviation * LENGTH * random.normal(size=ways.shape)
+        truth = np.cumsum(ways, axis=0)
+        for number, (yaw, variance) in enumerate(zip(yaws, variances, strict=True)):
+            middle_ns = START_NS + (2 * number + 1) * STEP_NS // 2
+            made.take_navigator(navigated(middle_ns, float(yaw), float(variance)))
+            state = made.update(step(number + 1))
+            if number in looks:
+                error = np.array(state.position[:2]) - truth[number]
+                inside = np.linalg.solve(position_covariance(state), error)
+                nees[walk_number, looks.index(number)] = error @ inside
+    low, high = chi2.interval(0.999, 2 * walks)
+    for mean in nees.mean(axis=0):
+        assert low / walks < mean < high / walks
 
 
 def test_steps_without_a_heading_go_into_the_uncertainty():

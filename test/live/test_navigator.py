@@ -76,6 +76,7 @@ NOT_SUITED = {
     'sensor off the origin': {'frames.mounting_translation': [0.1, 0.2, 0.3]},
     'transforms': {'frames.publish_tf': True},
     'a source of its own': {'pipeline.source': 'simulated'},
+    'steps along it': {**WITH_STEPS, 'pedometer.heading': 'navigator'},
     'two inputs': {**WITH_STEPS, 'pedometer.input': IMU},
 }
 

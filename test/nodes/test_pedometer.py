@@ -1,7 +1,11 @@
 """The pedometer over DDS: totals, the way, services; alone, behind a driver, in the pipeline."""
 
+import itertools
 import math
+import random
+import signal
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -16,8 +20,10 @@ from std_srvs.srv import SetBool
 
 from dead_reckoning import wire
 from dead_reckoning.configuration import Configuration
+from dead_reckoning.core.pedometer import Totals
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.stages import PEDOMETER_OUTPUTS
+from dead_reckoning.nodes.totals_file import decode
 
 RATE = 100
 YAW = 0.7
@@ -160,6 +166,33 @@ def test_steps_lead_along_the_compass(ros, executor):
     assert (point.x, point.y) == pytest.approx((0.0, walker.values(DISTANCE)[-1]), abs=1e-6)
 
 
+def test_steps_lead_along_a_navigator(ros):
+    settings = {'pedometer.heading': 'navigator'}
+    walker = Walker(ros, **settings, **lossless('/odom'))
+    odom = ros.publisher('odom', Odometry)
+    messages = walk(12)
+    for message in messages[::5]:
+        state = Odometry(header=message.header)
+        state.pose.pose.orientation.z, state.pose.pose.orientation.w = LEVEL[2:]
+        state.pose.covariance[35] = 0.04
+        odom.publish(state)
+        ros.spin(0.001)
+    walker.send(messages)
+    walker.wait(12)
+    pose = walker.recordings[ODOM].wait(12)[-1].pose
+    assert math.atan2(pose.pose.position.y, pose.pose.position.x) == pytest.approx(YAW)
+    assert pose.covariance[35] == pytest.approx(0.04 + 0.1**2)
+
+
+def test_navigator_that_gives_nothing_is_missed(ros):
+    walker = Walker(ros, **{'pedometer.heading': 'navigator', 'common.input_timeout': 0.2})
+    diagnostics = ros.diagnostics()
+    walker.walk(6)
+    shown = diagnostics.until('pedometer', lambda s: 'SilentInputError' in figures(s), 'silence')
+    assert 'nothing on /odom so far' in shown.message
+    assert 'start inertial_navigator' in shown.message
+
+
 def test_start_stop_and_reset(ros, executor):
     walker = Walker(ros, executor, 'imu/data')
     walker.walk(6, orientation=LEVEL)
@@ -296,6 +329,126 @@ def test_pipeline_counts_beside_the_integrator_and_like_the_chain(ros, executor)
     walker.wait(0)
     assert ros.trigger('pipeline/stop').success
     assert ros.trigger('pipeline/start').success
+
+
+# Totals that outlast the node ------------------------------------------------------------------
+
+
+def kept(path):
+    return decode(path.read_bytes())
+
+
+def test_totals_outlast_a_killed_node(ros, executor, tmp_path):
+    path = tmp_path / 'totals'
+    walker = Walker(ros, executor, pedometer__state_file=str(path))
+    walker.walk(6)
+    walker.wait(6)
+    before = kept(path)
+    assert (before.steps, before.distance) == (6, walker.values(DISTANCE)[-1])
+    walker.process.end(signal.SIGKILL)
+    again = Walker(ros, executor, pedometer__state_file=str(path))
+    again.wait(6)  # before it has taken a sample
+    assert again.values(DISTANCE) == [before.distance]
+    assert again.recordings[LENGTH].wait(1)[0].data == before.step_length
+    ros.trigger('pedometer/reset')
+    again.wait(0)
+    assert kept(path) == Totals()
+
+
+def test_totals_outlast_a_pipeline_that_is_told_to_end(ros, tmp_path):
+    path = tmp_path / 'totals'
+    settings = {'pipeline.estimators': ['pedometer'], 'pedometer.state_file': str(path)}
+    walker = Walker(ros, 'events', 'imu/data_raw', 'pipeline', **settings)
+    walker.walk(6)
+    walker.wait(6)
+    assert walker.process.end(signal.SIGTERM) == 0
+    assert kept(path).steps == 6
+    steps = ros.record(STEPS, UInt32, LATCHED)
+    ros.start('pipeline', settings)
+    assert steps.wait(1)[0].data == 6
+
+
+@pytest.fixture
+def quick_folder(tmp_path):
+    """A folder in memory where there is one: a busy disk may take longer than a node waits."""
+    memory = Path('/dev/shm')
+    with TemporaryDirectory(dir=memory if memory.is_dir() else tmp_path) as folder:
+        yield Path(folder)
+
+
+def test_node_killed_at_any_moment_of_a_walk_loses_no_step_that_it_said(ros, quick_folder):
+    chance, path = random.Random(3), quick_folder / 'totals'
+    publisher = ros.node.create_publisher(Imu, 'imu/data_raw', RELIABLE)
+    endless = itertools.count()
+
+    def walk_on():
+        for number in itertools.islice(endless, 10):
+            force = GRAVITY - 2.5 * math.cos(2.0 * math.pi * 1.8 * number / RATE)
+            stamp = START_NS + number * NANOSECONDS // RATE
+            publisher.publish(imu_message(stamp, (0.1, -0.2, force)))
+
+    total = 0
+    for _ in range(6):
+        steps = ros.record(STEPS, UInt32, ALL_OF_IT)
+        node = ros.start('pedometer', {'pedometer.state_file': str(path)})
+        assert steps.wait(1)[0].data == total
+        more = total + chance.randint(5, 40)
+
+        def walked(steps=steps, more=more):
+            walk_on()
+            return steps.messages[-1].data >= more
+
+        ros.until(walked, f'{more} steps', patience=0.001)
+        node.end(signal.SIGKILL)
+        ros.for_seconds(0.1)  # what is on its way
+        total = kept(path).steps
+        assert total >= steps.messages[-1].data
+        steps.stop()
+    assert not list(quick_folder.glob('*damaged*'))
+
+
+def test_damaged_totals_are_set_aside_with_a_word(ros, tmp_path):
+    path = tmp_path / 'totals'
+    path.write_text('{"steps": 12')
+    diagnostics = ros.diagnostics()
+    walker = Walker(ros, pedometer__state_file=str(path))
+    walker.wait(0)
+    aside = tmp_path / 'totals.damaged1'
+    assert aside.read_text() == '{"steps": 12'
+    assert f'counting from zero, the file is {aside} now' in walker.process.stderr
+    diagnostics.until('pedometer', lambda s: figures(s).get('DamagedStateError') == '1', 'that')
+
+
+def test_file_of_another_node_and_one_that_can_not_be_kept_end_the_node(ros, tmp_path):
+    path = tmp_path / 'totals'
+    Walker(ros, pedometer__state_file=str(path))
+    for wrong, why in ((path, 'another node keeps'), (tmp_path / 'no' / 'totals', 'No such file')):
+        second = ros.start(
+            'pedometer', {'pedometer.state_file': str(wrong)}, '-r', '__node:=other'
+        )
+        assert second.wait() == 2
+        assert f"pedometer.state_file: '{wrong}' can not be kept" in second.stderr
+        assert why in second.stderr
+
+
+def test_disk_that_fails_later_is_said_once_while_counting_goes_on(ros, tmp_path):
+    folder = tmp_path / 'kept'
+    folder.mkdir()
+    walker = Walker(ros, pedometer__state_file=str(folder / 'totals'))
+    walker.wait(0)
+    diagnostics = ros.diagnostics()
+    folder.rename(tmp_path / 'gone')
+    walker.walk(6)
+    walker.wait(6)
+    shown = diagnostics.until('pedometer', lambda s: 'StateFileError' in figures(s), 'failure')
+    assert shown.level == shown.ERROR
+    assert figures(shown)['StateFileError'] == '1'
+    (tmp_path / 'gone').rename(folder)
+    walker.walk(6)
+    walker.wait(12)
+    ros.until(lambda: 'StateFileError is over' in walker.process.stderr, 'the end of it')
+    assert walker.process.stderr.count('can not be written') == 1
+    assert kept(folder / 'totals').steps == 12
 
 
 def test_calibrate_is_a_switch(ros):
