@@ -122,7 +122,7 @@ def pedometer_block_stage(
             for n, v in stage[END](None)
         ]
 
-    taken = {**blockwise(stage, {pedometer.settings.input: run}), END: end}
+    taken: Stage = {**blockwise(stage, {pedometer.settings.input: run}), END: end}
     if pedometer.settings.heading != 'navigator':
         return taken
     return {**taken, **_one_late(pedometer.settings.input, taken)}

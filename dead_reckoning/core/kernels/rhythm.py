@@ -49,7 +49,7 @@ MISSED = 1.8
 CREDIT = 100
 """Samples before the evidence begins, in which the steps that make it lie."""
 
-WAITING = 2
+WAITING = 1
 """So many peaks that are not like the cycle before may wait for one that is."""
 
 PROMINENCES = 5

@@ -21,8 +21,8 @@ class RhythmSettings(Settings, prefix='pedometer.rhythm'):
 
     memory: float = parameter(
         2.0,
-        'Memory of the autocorrelation; shorter, and desk work looks like walking, longer, and slow '
-        'walks do not',
+        'Memory of the autocorrelation; if it is shorter, desk work looks like walking, if longer, '
+        'slow walks do not',
         unit='s',
         minimum=0.2,
         maximum=20.0,
@@ -52,16 +52,14 @@ class RhythmSettings(Settings, prefix='pedometer.rhythm'):
         mutable=True,
     )
     strong: float = parameter(
-        0.55,
+        0.52,
         'What is above this counts gain times as much besides, so that a clear rhythm is believed '
         'at once',
         minimum=0.0,
         maximum=1.0,
         mutable=True,
     )
-    gain: float = parameter(
-        12.5, 'How much that is', minimum=0.0, maximum=1000.0, mutable=True
-    )
+    gain: float = parameter(12.5, 'How much that is', minimum=0.0, maximum=1000.0, mutable=True)
     open: float = parameter(
         3.0,
         'Evidence that begins a walk: autocorrelation above centre, times the time it lasts',
@@ -79,7 +77,7 @@ class RhythmSettings(Settings, prefix='pedometer.rhythm'):
         mutable=True,
     )
     likeness: float = parameter(
-        0.4,
+        0.34,
         'Correlation of the two steps up to a peak with those a cycle before, from which on the '
         'peak is a step; below it waits for one that is',
         minimum=-1.0,
@@ -143,9 +141,7 @@ class RhythmDetector:
         """Take the next magnitude [m/s²]; return the steps it proves, in order of time."""
         self._newest_ns = stamp_ns
         window = self._window
-        said = rhythm.take(
-            magnitude, window.shortest, window.longest, self._rules, self._state
-        )
+        said = rhythm.take(magnitude, window.shortest, window.longest, self._rules, self._state)
         self.walking = said & 1 > 0
         return self._steps(said >> 1) if said > 1 else []
 
