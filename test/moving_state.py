@@ -40,6 +40,7 @@ def measurements(rules, state, row, aids=NO_AIDS):
     _, before, _ = filtered(off, state.copy(), row, moving)
     _, after, log = filtered(rules, state, row, moving, aids)
     log = log[: int(after[0, -1])]
+    log = log[log[:, 0] == layout.MEASURE]
     return before[0, 16:33], [(entry[19:35], entry[2]) for entry in log]
 
 

@@ -20,8 +20,8 @@ def way(drive, states):
     return from_its_start(drive).position[np.searchsorted(stamps, states.stamp_ns)]
 
 
-def navigated_drive(drive, seed, **settings):
-    """Return navigator and states of a drive."""
+def navigated_drive(drive, seed, shaking=1.0, **settings):
+    """Return navigator and states of a drive, with so many times the shaking."""
     found = navigator(**{**VEHICLE, **settings})
-    blocks = blocks_of(found, shaken(drive, seed).block())
+    blocks = blocks_of(found, shaken(drive, seed, 0.5 * shaking, 0.02 * shaking).block())
     return found, StateBlock.join([*blocks, StateBlock.of(found.flush())])

@@ -67,8 +67,9 @@ NOTHING_ELSE = {
     f'navigator.{name}': value
     for name, value in {
         'zero_velocity': False, 'zero_rate': False, 'nonholonomic': False, 'sampling_noise': 0.0,
-        'averaging': 0.0, 'acceleration_walk': 0.0, 'rate_walk': 0.0, 'aiding_angle': 0.0,
-        'aiding_correlation': 0.0, 'acceleration_noise': SENSOR['force_noise'],
+        'averaging': 0.0, 'acceleration_walk': 0.0, 'rate_walk': 0.0, 'rate_scale': 0.0,
+        'aiding_angle': 0.0, 'aiding_correlation': 0.0,
+        'acceleration_noise': SENSOR['force_noise'],
         'rate_noise': SENSOR['rate_noise'], 'acceleration_bias': 0.05,
         'rate_bias': SENSOR['rate_bias'],
     }.items()
@@ -262,8 +263,9 @@ def _samples(
     for k, now in enumerate(drawn.time.tolist()):
         yield RAW, block.sample(k)
         stamp_ns = int(block.stamp_ns[k])
-        rotation, position = Rotation.from_matrix(drawn.rotation[k]), drawn.position[k]
+        position = drawn.position[k]
         if k == begin:
+            rotation = Rotation.from_matrix(drawn.rotation[k])
             attitude = tuple((turn * rotation).as_quat().tolist())
             yield SET_POSE, PoseSample(
                 stamp_ns, '', tuple(position.tolist()), _diagonal(EXACT, EXACT, EXACT),
@@ -278,7 +280,7 @@ def _samples(
             velocity = tuple((drawn.velocity[k] + SPEED * noise).tolist())
             yield aid.topic, VelocitySample(stamp_ns, 'odom', velocity, known)
         elif aid.topic == AIDING_ODOMETRY:
-            forward = float(rotation.inv().apply(drawn.velocity[k])[0] + SPEED * noise[0])
+            forward = float(drawn.rotation[k, :, 0] @ drawn.velocity[k] + SPEED * noise[0])
             known = _diagonal(SPEED**2, UNMEASURED_VARIANCE, UNMEASURED_VARIANCE)
             yield aid.topic, VelocitySample(stamp_ns, '', (forward, 0.0, 0.0), known)
         else:

@@ -142,7 +142,6 @@ class Aiding:
             *_difference(self._lever_arm(), arm),
         )
         navigator.follow(pose.stamp_ns or navigator.newest_ns, layout.PLACE, told)
-        navigator.strides.forget_stance()
         self._placed = navigator.strides
 
     def _take_velocity(self, sample: VelocitySample, who: int, arm: Vector) -> None:

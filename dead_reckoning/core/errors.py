@@ -92,6 +92,10 @@ class RestartError(DeadReckoningError):
     severity = 'warning'
 
 
+class DivergedError(DeadReckoningError):
+    """What an estimator holds is no state any more, not finite: it has started over."""
+
+
 class GapError(DeadReckoningError):
     """Samples were missing for longer than may be integrated."""
 

@@ -15,6 +15,7 @@ from dead_reckoning.core.compass_yaw import CompassYaw
 from dead_reckoning.core.errors import (
     AidingError,
     DeadReckoningError,
+    DivergedError,
     GapError,
     GravityError,
     MissingRateError,
@@ -56,8 +57,9 @@ from dead_reckoning.core.work import Work
 
 NO_STAMPS = np.empty(0, np.int64)
 
-AHEAD_NS = NANOSECONDS
-"""A measurement with a stamp that is ahead of the samples by more has another clock."""
+AHEAD = 1.0
+"""A measurement that is ahead of the samples by more time [s], and `aiding_delay`, has another
+clock."""
 
 
 class InertialNavigator:
@@ -74,7 +76,8 @@ class InertialNavigator:
     align.  What comes out is late by as many samples as the detector looks ahead, with the stamp
     of its own sample.
 
-    A stale stamp is refused.  One that goes back by more than 1 s starts all over.  Over a gap
+    A stale stamp is refused.  One that goes back by more than 1 s starts all over, and so does a
+    state that is not finite, which never comes out.  Over a gap
     position and attitude are held, the velocity is forgotten, and the covariance grows.  So it
     does with a sample that reaches the full scale of its sensor, where that is set.
     """
@@ -127,6 +130,7 @@ class InertialNavigator:
         self._alignment = Alignment(self.settings)
         self._search: Alignment | None = None
         self._aids = Aids()
+        self._jumps: list[int] = []  # stamps at which the body is to be placed
         self._to_north = False  # whether the yaw is one of a compass
         self._heard = self._silent = False  # a compass, ever, and lately
         self._waiting: deque[int] = deque()
@@ -236,10 +240,12 @@ class InertialNavigator:
                 'a velocity or pose came before the alignment: keep the device still for '
                 f'{self.settings.rest_duration:g} s'
             )
-        if stamp_ns - newest_ns > AHEAD_NS:
-            ahead = (stamp_ns - newest_ns) / NANOSECONDS
-            raise AidingError(f'its stamp is {ahead:.3f} s ahead of the Imu: check the clocks')
         late = (newest_ns - stamp_ns) / NANOSECONDS
+        if -late > max(AHEAD, self.settings.aiding_delay):
+            raise AidingError(
+                f'its stamp is {-late:.3f} s ahead of the Imu: check the clocks, or raise '
+                'navigator.aiding_delay where a recording is played fast'
+            )
         if late > self.settings.aiding_delay:
             raise AidingError(
                 f'its stamp is {late:.3f} s behind the Imu, and states are kept for '
@@ -248,6 +254,8 @@ class InertialNavigator:
         if not self.keep().insert(stamp_ns, kind, values):
             # Its sample is not filtered yet, or was when nothing was kept.
             self._aids.add(stamp_ns, kind, values)
+        if kind == layout.PLACE:
+            self._jumps.append(stamp_ns)
 
     def begins_anew(self, imu: ImuSample) -> bool:
         """Say whether a sample makes it start all over, so that what waits comes out before.
@@ -281,6 +289,8 @@ class InertialNavigator:
         states = []
         if gap:
             states = self.flush()
+            if not self.aligned:  # it diverged
+                return states
             self._detector.reset()
             if self.levelling:
                 self._search = Alignment(self.settings)
@@ -305,7 +315,9 @@ class InertialNavigator:
         self._stamp[0] = stamp_ns
         done = self._filter(self.row, self._stamp, self._verdict, self.out)
         self._waiting.append(stamp_ns)
-        if not done:
+        if done <= 0:
+            if done < 0:
+                self._give_up()
             return None
         self._values = self.out[0].tolist()
         state_ns = self._take_note(self._values)
@@ -321,36 +333,78 @@ class InertialNavigator:
         rows[:, 0] = -1.0
         out = np.empty((delay, layout.STATE_ROW))
         done = self._filter(rows, NO_STAMPS, np.empty((delay, 3)), out)
-        states = [state_of(self._take_note(values), values) for values in out[:done].tolist()]
-        return [state for state in states if state.stamp_ns >= self._begin_ns]
+        rows = out[: max(done, -1 - done)].tolist()
+        states = [state_of(self._take_note(values), values) for values in rows]
+        states = [state for state in states if state.stamp_ns >= self._begin_ns]
+        if done < 0:
+            self._give_up()
+        return states
 
     def take(self, samples: Array, stamps: Stamps) -> StateBlock | None:
         """Take samples in columns, as kernels have them; return the states known now, if any.
 
         ``samples``, shape (n, ROW), and ``stamps``, shape (n,), must be what `update` would take
-        without an error, and without a gap.
+        without an error, and without a gap.  Where it diverges those after `newest_ns` are not
+        taken.
         """
         out = np.empty((len(samples), layout.STATE_ROW))
-        done, filtered = 0, []
+        done, filtered, diverged = 0, [], False
         for begin in range(0, len(samples), STRETCH):
             part = slice(begin, begin + STRETCH)
             rows = samples[part]
             count = self._filter(rows, stamps[part], np.empty((len(rows), 3)), out[done:])
+            diverged = count < 0
+            if diverged:
+                count = -1 - count
+                last = begin + count + self._detector.delay - len(self._waiting)
+                self._timeline._last_ns = int(stamps[last])
             waiting = np.concatenate((np.array(self._waiting, np.int64), stamps[part]))
             self._waiting = deque(waiting[count:].tolist())
             filtered.append(waiting[:count])
             done += count
+            if diverged:
+                break
         self.row[0] = samples[-1]
-        if not done:
-            return None
-        block = state_block(np.concatenate(filtered), out[:done])
-        self._note(out[done - 1].tolist())
-        count_strides(self.strides, block)
-        begin = int(np.searchsorted(block.stamp_ns, self._begin_ns))
-        return block.part(begin, done) if begin < done else None
+        found = None
+        if done:
+            block = state_block(np.concatenate(filtered), out[:done])
+            self._note(out[done - 1].tolist())
+            self._count(block)
+            begin = int(np.searchsorted(block.stamp_ns, self._begin_ns))
+            found = block.part(begin, done) if begin < done else None
+        if diverged:
+            self._give_up()
+        return found
+
+    def _count(self, block: StateBlock) -> None:
+        """Count the strides of a block; where the body was placed nobody walked."""
+        begin = 0
+        for stamp_ns in sorted(self._jumps):
+            end = int(np.searchsorted(block.stamp_ns, stamp_ns))
+            if end == len(block):
+                break
+            count_strides(self.strides, block.part(begin, end))
+            self._land(stamp_ns)
+            begin = end
+        count_strides(self.strides, block.part(begin, len(block)))
+
+    def _give_up(self) -> None:
+        """Start over, as the filter has no state any more."""
+        self._start_over()
+        self._levelling.fail(NotAtRestError('the navigator diverged meanwhile: ask again'))
+        self.findings.append(
+            DivergedError(
+                'position, velocity or covariance are no longer finite: starting over at the '
+                'origin, with the next rest; check the settings of navigator that are not those '
+                'of its preset'
+            )
+        )
 
     def _filter(self, samples: Array, stamps: Stamps, verdicts: Array, out: Array) -> int:
-        """Filter samples, after those that wait; rows that stand for no sample have no stamp."""
+        """Filter samples, after those that wait; rows that stand for no sample have no stamp.
+
+        Below 0 says that the filter diverged, after −1 − that many.
+        """
         self._detector.take(samples, verdicts)
         aids = NO_AIDS
         if self._aids.waiting:
@@ -376,9 +430,19 @@ class InertialNavigator:
     def _take_note(self, values: list[float]) -> int:
         """Take note of the next state; return its stamp [ns]."""
         self._note(values)
+        stamp_ns = self._waiting.popleft()
+        if self._jumps:
+            self._land(stamp_ns)
         x, y, z = values[:3]
         self.strides.update(self.stationary, (x, y, z))
-        return self._waiting.popleft()
+        return stamp_ns
+
+    def _land(self, stamp_ns: int) -> None:
+        """Go on from elsewhere, where the body was placed: it did not walk there."""
+        later = [jump_ns for jump_ns in self._jumps if jump_ns > stamp_ns]
+        if len(later) < len(self._jumps):
+            self._jumps = later
+            self.strides.forget_stance()
 
     def _variance(self, imu: ImuSample) -> float:
         covariance = imu.angular_velocity_covariance

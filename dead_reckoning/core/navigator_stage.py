@@ -54,6 +54,8 @@ class BodyStates:
         self._navigator = navigator
         self._mountings = mountings
         self._begun: object = None
+        self._last_ns = 0
+        self._ends: list[int] = []  # of the start before, where the stamps went on from there
 
     @property
     def start(self) -> Vector:
@@ -76,9 +78,11 @@ class BodyStates:
         """Return the state of the body, of the next state that the navigator gave."""
         if self._navigator.strides is not self._begun:  # it counts anew from each start
             self._begun = self._navigator.strides
+            self._ends.append(self._last_ns if self._last_ns < state.stamp_ns else 0)
             self.starts.append(
                 rotate(matrix_from_quaternion(state.attitude), self.mounting.translation)
             )
+        self._last_ns = state.stamp_ns
         return self.moved(state, self.starts[-1])
 
     def of_smoothed(self, block: StateBlock) -> Iterator[NavigationState]:
@@ -91,8 +95,9 @@ class BodyStates:
         """Yield the states of the body for those of a smoother, from the last to the first."""
         at, later_ns = len(self.starts) - 1, None
         for block in blocks:
-            if later_ns is not None and block.stamp_ns[-1] >= later_ns:
-                at -= 1  # the stamps went back between the two
+            last_ns = block.stamp_ns[-1]
+            if later_ns is not None and at >= 0 and not self._ends[at] < last_ns < later_ns:
+                at -= 1  # the stamps went back between the two, or it diverged
             later_ns = block.stamp_ns[0]
             if self.mounting.translation == ZERO or at < 0:
                 yield block

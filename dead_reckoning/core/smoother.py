@@ -20,11 +20,11 @@ from dead_reckoning.core.strides import SHORTEST
 LONGEST_NS = 10 * NANOSECONDS
 """Without a stance for so long, what there is comes out."""
 
-LARGEST_LOG = 16
-"""Updates of one sample at most, without what aids."""
+LARGEST_LOG = 18
+"""Entries in the log of one sample at most, without what aids."""
 
-OF_AID = 5
-"""Updates of one aid at most."""
+OF_AID = 6
+"""Entries in the log of one aid at most."""
 
 
 class Smoother:

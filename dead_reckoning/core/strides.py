@@ -54,6 +54,8 @@ class Strides:
 
 def count_strides(strides: Strides, block: StateBlock) -> None:
     """Count the strides of a block; what is between two changes does not matter."""
+    if not len(block):
+        return
     changes = np.flatnonzero(np.diff(block.stationary))
     matter = {0, len(block) - 1, *changes.tolist(), *(changes + 1).tolist()}
     for i in sorted(matter):

@@ -75,7 +75,10 @@ class NavigatorChain(LiveChain):
         if navigator.findings:
             outputs.extend((FAULT, finding) for finding in navigator.findings)
             navigator.findings.clear()
-        return outputs + self._steps.of(brought)
+        outputs += self._steps.of(brought)
+        if not navigator.aligned:  # it diverged
+            self.settle()
+        return outputs
 
     def _leave(self, memory: Array, last_ns: int) -> None:
         """Leave all where it is: the navigator was never behind."""

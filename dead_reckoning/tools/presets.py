@@ -153,6 +153,7 @@ PRESETS = (
             'navigator.floor': False,
             'navigator.nonholonomic': True,
             'navigator.axle': [0.0, 0.0, 0.0],
+            'navigator.rate_scale': 0.01,
             'navigator.aiding_angle': 0.02,
             'navigator.aiding_correlation': 0.5,
             'navigator.window': 0.3,

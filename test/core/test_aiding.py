@@ -9,14 +9,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from moving_state import LEVEL_WALK
 from scipy.spatial.transform import Rotation
-from simulated_walks import measured, navigator
+from simulated_walks import START_NS, Walk, blocks_of, measured, navigator
 
+from benchmarks.accuracy.inertial import VEHICLE
+from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.aiding import Aiding
 from dead_reckoning.core.chain import FAULT, Chain
 from dead_reckoning.core.common import FrameSettings
 from dead_reckoning.core.errors import AidingError, NotFiniteError, NotLevelledError, SampleError
 from dead_reckoning.core.mounting import Mounting
 from dead_reckoning.core.navigator_stage import navigator_stage
+from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import quaternion_from_euler
 from dead_reckoning.core.samples import UNKNOWN, ImuSample, PoseSample, VelocitySample
 from dead_reckoning.core.stages import (
@@ -142,6 +145,68 @@ def test_the_first_pose_places_the_body_and_later_ones_are_measured():
     assert found.counts['aiding_pose'] + found.counts['aiding_pose_refused'] == 1
     assert found.counts['aiding_yaw'] + found.counts['aiding_yaw_refused'] == 1
     assert found.counts['placed'] == 1
+
+
+@pytest.mark.parametrize('ahead_ns', [None, 0, 50_000_000])
+def test_a_body_that_is_placed_while_samples_wait_did_not_walk_there(ahead_ns):
+    """In the last stance, now or at a stamp that is still to come, sample by sample or not."""
+    at = len(BLOCK) - 200
+    stamp_ns = 0 if ahead_ns is None else int(BLOCK.stamp_ns[at - 1]) + ahead_ns
+    walked = []
+    for blocks in (False, True):
+        found = navigator()
+        for begin, end in ((0, at), (at, len(BLOCK))):
+            part = BLOCK.part(begin, end)
+            if begin:
+                walked.append((found.strides.count, found.strides.distance))
+                Aiding(found).set_pose(pose((100.0, -50.0, 7.0), stamp_ns=stamp_ns))
+            if blocks:
+                blocks_of(found, part)
+            else:
+                for index in range(len(part)):
+                    with suppress(NotLevelledError):
+                        found.update(part.sample(index))
+        assert found.counts['placed'] == 1
+        walked.append((found.strides.count, found.strides.distance))
+    assert walked[0][0] == walked[1][0] > 5
+    assert walked[1][1] == pytest.approx(walked[0][1], abs=0.01)
+    assert walked[3] == pytest.approx(walked[1], abs=1e-9)
+
+
+@pytest.mark.parametrize('told', [True, False])
+def test_a_steady_drive_on_a_smooth_road_is_no_rest_where_a_wheel_says_that_it_moves(told):
+    """At 0.3 m/s for 20 s, after a start so smooth that no detector of rest sees it."""
+    rate, speed, deviation = 100.0, 0.3, 0.02
+    time = np.arange(2800) / rate
+    forward = speed * np.clip(np.minimum(time - 4.0, 24.0 - time), 0.0, 1.0)
+    along = np.array([[1.0, 0.0, 0.0]])
+    force = np.gradient(forward, time)[:, None] * along + [0.0, 0.0, 9.81]
+    way, still = np.cumsum(forward) / rate, np.zeros((len(time), 3))
+    drive = Walk(
+        time, force, still, way[:, None] * along, forward[:, None] * along,
+        np.tile(np.eye(3), (len(time), 1, 1)),
+    )  # fmt: skip
+    block = measured(drive, 0, force_noise=2e-3, rate_noise=2e-4, force_bias=0.03).block()
+    pipeline = Pipeline(Configuration(VEHICLE))
+    covariance, random = (deviation**2, 0, 0, 0, HUGE, 0, 0, 0, HUGE), np.random.default_rng(0)
+    states = []
+    for index in range(len(block)):
+        outputs = pipeline.chain.push(RAW, block.sample(index))
+        states += [value for name, value in outputs if name == ODOMETRY]
+        if told and index > 200 and index % 10 == 0:
+            seen = forward[index] + deviation * random.normal()
+            sample = velocity((seen, 0.0, 0.0), '', covariance, int(block.stamp_ns[index]))
+            assert not pipeline.chain.push(AIDING_ODOMETRY, sample)
+    at = int(np.searchsorted(block.stamp_ns, states[-1].stamp_ns))
+    error = states[-1].position[0] - way[at]
+    driving = [s.stationary for s in states if 8.0 < (s.stamp_ns - START_NS) * 1e-9 < 22.0]
+    assert states[-1].stationary
+    if told:
+        assert not any(driving)
+        assert abs(error) < 3.0 * np.sqrt(states[-1].position_covariance[0]) < 1.0
+    else:  # nothing can tell it then: it is the case that is meant
+        assert all(driving)
+        assert error < -5.0
 
 
 def test_a_pose_without_a_yaw_places_but_does_not_turn():

@@ -16,6 +16,7 @@ from dead_reckoning.core.chain import FAULT, NOTICE
 from dead_reckoning.core.errors import WireError
 from dead_reckoning.core.kernels import columns, headings, live, messages, resampler
 from dead_reckoning.core.kernels.navigation import filter as navigation
+from dead_reckoning.core.kernels.navigation import layout
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.rotation import quaternion_from_euler
@@ -101,6 +102,11 @@ def roll(driven):
     navigator.configure(driven.configuration[NavigatorSettings].changed(changed))
 
 
+def poison(driven):
+    """Let it diverge."""
+    driven.pipeline.navigator._state[layout.X_VELOCITY : layout.X_VELOCITY + 1] = np.nan
+
+
 def look(driven):
     """See what /diagnostics shows."""
     navigator = driven.pipeline.navigator
@@ -178,6 +184,16 @@ def test_kernels_make_of_messages_what_the_stream_makes(values, seed):
     found, expected = driven(values, happens), driven(values, happens, ready=False)
     assert found.chain.taken > 0.15 * len(happens)
     assert expected.chain.taken == 0
+    assert_same(found.outputs, expected.outputs)
+
+
+@pytest.mark.parametrize('kind', ['late', 'at once', 'pedometer'])
+def test_where_it_diverges_it_begins_anew(kind):
+    happens = traffic(CHAINS[kind], 8, services=(poison,))
+    found, expected = driven(CHAINS[kind], happens), driven(CHAINS[kind], happens, ready=False)
+    assert found.chain.taken > 0.1 * len(happens)
+    faults = [type(value).__name__ for name, value in found.outputs if name == FAULT]
+    assert 'DivergedError' in faults
     assert_same(found.outputs, expected.outputs)
 
 

@@ -43,6 +43,8 @@ def navigator_run(
         navigator._timeline._last_ns = int(stamps[-1])
         navigator._watch_compass(int(stamps[-1]))
         states = navigator.take(rows[:count], stamps)
+        if not navigator.aligned:  # it diverged
+            count = int(np.searchsorted(stamps, navigator.newest_ns, side='right'))
         if states is None:
             return count, []
         outputs: list[Output] = [(ODOMETRY, states)]

@@ -21,7 +21,16 @@ NO_AIDS = np.empty((0, layout.AID_ROW))
 def aid_row(row: int, kind: int, values: Sequence[float], age_ns: int) -> tuple[float, ...]:
     """Return what the kernel takes, AID_ROW numbers, for the sample that a row filters."""
     padding = (layout.AID_ROW - 3 - len(values)) * (0.0,)
-    return (row, kind, *values, age_ns / NANOSECONDS, *padding)
+    return (row, -age_ns / NANOSECONDS, kind, *values, *padding)
+
+
+def in_order(aids: Array) -> Array:
+    """Return aids, shape (m, AID_ROW), in the order of their rows, and of their stamps in each.
+
+    Nothing depends on which came first.
+    """
+    ordered: Array = aids[np.lexsort(aids.T[::-1])]
+    return ordered
 
 
 class Aids:
@@ -47,7 +56,7 @@ class Aids:
         return any(kind == layout.NORTH for _, kind, _ in told)
 
     def add(self, stamp_ns: int, kind: int, values: Sequence[float]) -> None:
-        """Take one, of a kind of `layout`; its age is added to the values.
+        """Take one, of a kind of `layout`, with its values.
 
         Raises `AidingError` where too many wait.
         """
@@ -72,7 +81,7 @@ class Aids:
                 continue
             index = int(np.searchsorted(stamps, stamp_ns))
             made.append(aid_row(index + first, kind, values, int(stamps[index]) - stamp_ns))
-        return np.array(sorted(made, key=lambda row: row[0])) if made else NO_AIDS
+        return in_order(np.array(made)) if made else NO_AIDS
 
 
 def _is_of_compass(aid: tuple[int, int, Sequence[float]]) -> bool:

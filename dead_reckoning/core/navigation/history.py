@@ -14,7 +14,7 @@ import numpy as np
 from dead_reckoning.core.blocks import Array, Stamps
 from dead_reckoning.core.kernels.navigation import layout
 from dead_reckoning.core.kernels.navigation.filter import navigate
-from dead_reckoning.core.navigation.aids import NO_AIDS, aid_row
+from dead_reckoning.core.navigation.aids import NO_AIDS, aid_row, in_order
 from dead_reckoning.core.samples import NANOSECONDS
 
 NO_TRACE = np.empty((0, layout.TRACE_ROW))
@@ -72,9 +72,10 @@ class Stretch:
     ) -> int:
         """Filter so many rows, or all, from a state on; return how many of ``out`` are filled."""
         n = self.count if rows is None else rows
-        return navigate(
+        done = navigate(
             self.samples[:n], self.verdicts[:n], self.aids, self.rules, state, out, trace, log
         )
+        return max(done, -1 - done)  # those before it diverged
 
 
 class History:
@@ -169,8 +170,7 @@ class History:
         begin, index = found
         stretch = self._stretches[begin]
         row = aid_row(stretch.first + index, kind, values, stretch.stamps[index] - stamp_ns)
-        aids = np.concatenate((stretch.aids, [row]))
-        stretch.aids = aids[np.argsort(aids[:, 0], kind='stable')]
+        stretch.aids = in_order(np.concatenate((stretch.aids, [row])))
         self._again = begin if self._again is None else min(begin, self._again)
         return True
 

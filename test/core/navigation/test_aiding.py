@@ -163,7 +163,7 @@ def test_a_heading_is_taken_at_its_own_time():
     values = (0.3, 1e-4, 0.1, 0.0, 0.0, layout.BY_COMPASS)
     aid = np.array([aid_row(0, layout.YAW, values, 0)])
     old = aid.copy()
-    old[0, 8] = 0.2
+    old[0, 1] = -0.2
     x, ((h, now),) = measurements(rules, state.copy(), row, aid)
     _, ((_, then),) = measurements(rules, state.copy(), row, old)
     turn = Rotation.from_quat(x[13:17]).apply(STATE['rate'] - x[6:9])
@@ -291,6 +291,19 @@ def test_wheels_keep_a_vehicle_on_its_way():
     assert max(farthest[True]) < 0.04 * length(true)
     assert np.sqrt(np.mean((np.linalg.norm(error, axis=1) / spread)[1000:] ** 2)) < 3.0
     assert found.counts['nonholonomic'] > 20 * found.counts['nonholonomic_refused']
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_without_a_rest_a_drive_of_six_kilometres_is_as_wrong_as_it_says(seed):
+    """A turn of R̂ must not show the speed: else it is 250 km, and σ a sixteenth of that."""
+    true = driven(length=2000.0, width=1000.0, loop_time=400.0, loops=1)
+    rests = {'zero_velocity': False, 'zero_rate': False}
+    found, states = navigated_drive(true, seed, 0.0, nonholonomic=True, **rests)
+    error = np.linalg.norm(states.position - way(true, states), axis=1)
+    spread = np.sqrt(states.position_covariance[:, ::4].sum(axis=1))
+    assert (error / spread)[1000:].max() < 4.0
+    assert error.max() < 0.1 * length(true)
+    assert found.counts['nonholonomic_refused'] == 0
 
 
 def test_a_sensor_off_the_axle_is_told_so():

@@ -96,7 +96,7 @@ def normalized_errors(request):
             theta = (rotations[k] * Rotation.from_quat(x[13:17]).inv()).as_rotvec()
             error = np.concatenate([
                 true.position[k] - x[:3],
-                true.velocity[k] - Rotation.from_rotvec(theta).apply(x[3:6]),
+                Rotation.from_rotvec(-theta).apply(true.velocity[k]) - x[3:6],
                 theta,
                 rate_bias[k] - x[6:9],
                 force_bias[k] - x[9:12],

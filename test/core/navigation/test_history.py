@@ -74,6 +74,38 @@ def test_what_comes_in_another_order_is_taken_in_that_of_its_stamps():
     np.testing.assert_array_equal(*ends)
 
 
+@pytest.mark.parametrize('late', [0, 5, 40])
+def test_what_comes_of_one_sample_is_taken_in_the_order_of_its_stamps(late):
+    """Whichever transport is faster: some of them wait, are just filtered, or long since."""
+    half, unmeasured = (0.01, 0.0, 0.0, 0.01, 0.0, 0.01), (1e6, 0.0, 0.0, 1e6, 0.0, 1e6)
+    at, speed = tuple(WALK.position[300]), tuple(WALK.velocity[300])
+    place = (*at, *half, 0.0, 0.0, 0.0, 1.0, *unmeasured, 0.0, 0.0, 0.0)
+    told = [
+        (4, layout.VECTOR, velocity(300)),
+        (3, layout.VECTOR, (layout.WORLD_VELOCITY, layout.BY_ODOM, 0.1, *speed, *half, *3 * (0,))),
+        (3, layout.VECTOR, (layout.WORLD_POSITION, layout.BY_POSE, 0.1, *at, *half, *3 * (0,))),
+        (2, layout.YAW, (0.1, 0.01, 0.1, 0.0, 5.0, layout.BY_POSE_YAW)),
+        (1, layout.PLACE, place),
+        (0, layout.VECTOR, velocity(300)),
+    ]
+    ends, random = [], np.random.default_rng(0)
+    for order in [range(len(told)), *(random.permutation(len(told)) for _ in range(12))]:
+        found = navigator(aiding_gate=1e9, axis_gate=1e9)
+        found.keep()
+        for index in range(360):
+            with suppress(NotLevelledError):
+                found.update(BLOCK.sample(index))
+            if index == 300 + late:
+                for age_ms, kind, values in (told[k] for k in order):
+                    found.follow(int(BLOCK.stamp_ns[300]) - age_ms * 1_000_000, kind, values)
+        assert found.counts['placed'] == found.counts['aiding_odom'] == 1
+        assert found.counts['aiding_twist'] == 2
+        found._state[layout.LOGGED] = 0.0
+        ends.append(found._state)
+    for end in ends[1:]:
+        np.testing.assert_array_equal(end, ends[0])
+
+
 def test_only_what_may_still_be_needed_is_kept():
     found, _ = walked(0)
     rate = 200.0
@@ -88,8 +120,12 @@ def test_what_is_too_old_is_refused_and_changes_nothing():
     with pytest.raises(AidingError, match=r'0\.600 s behind the Imu.* navigator\.aiding_delay'):
         found.follow(stamp_ns, layout.VECTOR, velocity(300))
     np.testing.assert_array_equal(found._state, before)
+    ahead_ns = int(BLOCK.stamp_ns[-1]) + 1_500_000_000
     with pytest.raises(AidingError, match=r'1\.500 s ahead of the Imu: check the clocks'):
-        found.follow(int(BLOCK.stamp_ns[-1]) + 1_500_000_000, layout.VECTOR, velocity(300))
+        found.follow(ahead_ns, layout.VECTOR, velocity(300))
+    np.testing.assert_array_equal(found._state, before)
+    found, _ = walked(0, aiding_delay=2.0)
+    found.follow(ahead_ns, layout.VECTOR, velocity(300))
 
 
 def test_before_the_alignment_it_is_refused():

@@ -20,8 +20,9 @@ from simulated_walks import (
     walk,
 )
 
-from dead_reckoning.core.blocks import StateBlock
+from dead_reckoning.core.blocks import ImuBlock, StateBlock
 from dead_reckoning.core.errors import (
+    DivergedError,
     GapError,
     GravityError,
     MissingAccelerationError,
@@ -211,6 +212,63 @@ def test_over_a_gap_uncertainty_grows_and_it_goes_on():
         assert after[0].velocity_covariance[axis] == pytest.approx(4.0)
     assert after[-1].velocity_covariance[0] < 1e-3
     np.testing.assert_allclose(after[-1].position, before.position, atol=1e-6)
+
+
+POISONS = {
+    'NaN': {layout.X_VELOCITY: NAN},
+    'infinite': {layout.X_FORCE_BIAS: float('inf')},
+    'far': {layout.X_POSITION: 1e13},
+    'no rotation': {layout.X_ATTITUDE + i: 0.0 for i in range(4)},
+    'no variance': {layout.COVARIANCE + 17 * 6: -0.1},
+    'no covariance': {layout.COVARIANCE + 16 * 9 + 12: NAN},
+}
+
+
+@pytest.mark.parametrize('poison', POISONS.values(), ids=POISONS)
+@pytest.mark.parametrize('way', ['stream', 'blocks', 'at a gap', 'at the end'])
+def test_what_is_no_state_never_comes_out_and_it_begins_anew(poison, way):
+    found = navigator()
+    last_ns = at_rest(found)[-1].stamp_ns
+    for index, value in poison.items():
+        found._state[index] = value
+    if way == 'blocks':
+        block = ImuBlock.of([imu(k) for k in range(400, 800)])
+        states = [
+            s for part in blocks_of(found, block) for s in map(part.sample, range(len(part)))
+        ]
+    elif way == 'at the end':
+        assert found.flush() == []
+        states = at_rest(found, 400, 400)
+    else:
+        states = at_rest(found, 400, 400 if way == 'stream' else 900)
+    assert [type(finding) for finding in found.findings] == [DivergedError]
+    assert found.aligned
+    assert states[0].stamp_ns > last_ns + 0.5e9  # once it has rested
+    assert states[0].position == pytest.approx((0.0, 0.0, 0.0), abs=1e-3)
+    assert np.isfinite([(*s.position, *s.velocity_covariance) for s in states]).all()
+
+
+def test_blocks_give_what_the_stream_gives_where_it_diverges():
+    """After a gap of 60 years, at 1000 m/s."""
+    moved = measured(WALK, 1)
+    block = moved.block()
+    block.stamp_ns[700:] += 2 * 10**9 * NANOSECONDS
+    settings = {'gap_speed': 1000.0, 'rest_duration': 0.2}
+    stream, found = navigator(**settings), navigator(**settings)
+    one_by_one, parts = streamed(stream, block), in_blocks(found, block, [710, 900])
+    assert_same(parts, one_by_one)
+    kinds = [type(finding) for finding in stream.findings]
+    assert kinds == [type(finding) for finding in found.findings] == [GapError, DivergedError]
+    assert len(one_by_one) < len(block) - 50
+
+
+def test_a_correction_of_any_size_turns_the_velocity():
+    x, dx = np.zeros(17), np.zeros(16)
+    x[3:6], x[13:17] = (30.0, 4.0, 0.0), (0.0, 0.0, 0.6, 0.8)
+    dx[3:6], dx[6:9] = (-30.0, -4.0, 2.0), (0.0, 3.0, 40.0)
+    correct(x, dx)
+    assert np.linalg.norm(x[3:6]) == pytest.approx(2.0)
+    assert Rotation.from_quat(x[13:17]).inv().apply(x[3:6]) == pytest.approx((0.0, 0.0, 2.0))
 
 
 def test_a_clipped_sample_counts_and_widens_the_covariance():

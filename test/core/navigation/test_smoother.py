@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from simulated_walks import filtered, measured, navigator, streamed, walk
 
 from dead_reckoning.core import navigator as module
@@ -102,23 +103,27 @@ def test_it_goes_back_over_an_update(of):
     np.testing.assert_allclose(information, spread, rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize('kind', [layout.CLONE, layout.FORGET, layout.TURN])
+@pytest.mark.parametrize('kind', [layout.CLONE, layout.FORGET, layout.TURN, layout.FOLLOW])
 def test_it_goes_back_over_what_is_no_measurement(kind):
     random = np.random.default_rng(4)
     adjoint, root = random.normal(size=(16, 1)), random.normal(size=(16, 16))
     information = root @ root.T
     step = np.eye(16)
-    forgotten, angle = np.zeros(16), 0.7
+    forgotten, angle, spin = np.zeros(16), 0.7, np.zeros(3)
     if kind == layout.CLONE:
         step[15] = step[2]
     elif kind == layout.FORGET:
         forgotten[[3, 4, 11]] = 1.0
         step[[3, 4, 11]] = 0.0
+    elif kind == layout.FOLLOW:
+        spin = np.array([angle, -0.2, 0.4])
+        step[3:6, 3:6] = Rotation.from_rotvec(spin).as_matrix()
     else:
         turn = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
         step[3:5, 3:5] = step[6:8, 6:8] = turn
     expected, spread = step.T @ adjoint, step.T @ information @ step
-    _undo(np.array([kind, angle, 0.0, *np.zeros(16), *forgotten]), adjoint, information)
+    entry = np.array([kind, angle, *spin[1:], *np.zeros(15), *forgotten])
+    _undo(entry, adjoint, information)
     np.testing.assert_allclose(adjoint, expected, atol=1e-12)
     np.testing.assert_allclose(information, spread, atol=1e-12)
 

@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 from simulated_walks import filtered
 
 from dead_reckoning.core.kernels.navigation import layout
+from dead_reckoning.core.kernels.navigation.measurement import normalized_square
 from dead_reckoning.core.navigation.aids import aid_row
 from dead_reckoning.core.samples import UNMEASURED_VARIANCE
 
@@ -109,6 +110,20 @@ def test_the_gate_is_on_the_nis_of_three_dimensions():
         seen = predicted + size * np.sqrt(rules[layout.AIDING_GATE]) * unit
         filtered(rules, there, row, ROW_OF_STATE, vector(layout.BODY_VELOCITY, seen))
         assert there[counts : counts + 2].tolist() == [float(taken), float(not taken)]
+
+
+@pytest.mark.parametrize('ratio', [1.0, 1e6, 1e9, 1e12])
+def test_the_nis_keeps_its_digits_however_much_worse_an_axis_is_known(ratio):
+    """With S = I + r n nᵀ it is |y|² less r (n y)²/(1 + r), but for the rounding of S itself."""
+    random = np.random.default_rng(1)
+    for _ in range(50):
+        n, y = random.normal(size=(2, 3))
+        n /= np.linalg.norm(n)
+        s = np.eye(3) + ratio * np.outer(n, n)
+        across = y - (n @ y) * n
+        expected = across @ across + (n @ y) ** 2 / (1.0 + ratio)
+        found = normalized_square(tuple(s[np.triu_indices(3)]), tuple(y))
+        assert found == pytest.approx(expected, rel=1e-12 + 1e-15 * ratio)
 
 
 def test_what_stays_refused_is_believed_in_the_end():

@@ -78,14 +78,14 @@ NO_TILT = 1.0
 @rare
 def take_aid(aid: Array, rate: Vector, f: Filter) -> None:
     """Take what else is known of a sample; ``rate`` [rad/s] is the sample's."""
-    if aid[1] == LEVEL:
-        level(triple(aid[2:5]), triple(aid[5:8]), aid[8], aid[9], f)
-    elif aid[1] == NORTH:
-        turn_world(f, _wrapped(aid[2] - yaw_from_quaternion(attitude_of(f.state))))
-        f.p[ATTITUDE + 2, ATTITUDE + 2] += aid[3]
-    elif aid[1] == VECTOR:
+    if aid[2] == LEVEL:
+        level(triple(aid[3:6]), triple(aid[6:9]), aid[9], aid[10], f)
+    elif aid[2] == NORTH:
+        turn_world(f, _wrapped(aid[3] - yaw_from_quaternion(attitude_of(f.state))))
+        f.p[ATTITUDE + 2, ATTITUDE + 2] += aid[4]
+    elif aid[2] == VECTOR:
         follow_vector(aid, rate, f)
-    elif aid[1] == PLACE:
+    elif aid[2] == PLACE:
         place(aid, f)
     else:
         follow_yaw(aid, rate, f)
@@ -99,8 +99,8 @@ def follow_yaw(aid: Array, rate: Vector, f: Filter) -> None:
     in that time, by the interval [s], the less each counts.
     """
     state, h = f.state, f.h
-    yaw, variance, interval, lasts, patience, who, age = (
-        aid[2], aid[3], aid[4], aid[5], aid[6], int(aid[7]), aid[8],
+    age, yaw, variance, interval, lasts, patience, who = (
+        -aid[1], aid[3], aid[4], aid[5], aid[6], aid[7], int(aid[8]),
     )  # fmt: skip
     attitude = attitude_of(state)
     rot_ws = matrix_from_quaternion(attitude)

@@ -30,6 +30,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     HELD,
     LOGGED,
     MAX_GAP,
+    MOVES,
     NONHOLONOMIC,
     RATE_BIAS,
     RINGS,
@@ -62,6 +63,12 @@ from dead_reckoning.core.kernels.navigation.rest import (
 )
 from dead_reckoning.core.rotation import composed, quaternion_from_turn
 from dead_reckoning.core.samples import NANOSECONDS, Vector
+
+BEYOND = 1e12
+"""Magnitude [SI] at which nothing is; its powers stay finite."""
+
+ROUNDING = 1e-12
+"""By how much a variance may be below 0."""
 
 
 @compiled
@@ -106,8 +113,9 @@ def navigate(
     """Filter samples, shape (n, ROW), each once its verdict, shape (n, 3), is known.
 
     ``aids``, shape (m, AID_ROW), are what else is known, in the order of their rows.  Returns how
-    many rows of ``out``, shape (n, STATE_ROW), are filled.  ``trace``, shape (n, TRACE_ROW), and
-    ``log``, shape (16 n + 5 m, LOG_ROW), are for the smoother, or empty.
+    many rows of ``out``, shape (n, STATE_ROW), are filled, or, as −1 − rows, that it stopped
+    after these, as what came then is no state.  ``trace``, shape (n, TRACE_ROW), and
+    ``log``, shape (18 n + 6 m, LOG_ROW), are for the smoother, or empty.
     """
     delay, still = int(rules[DELAY]), int(rules[STILL_SAMPLES])
     begin = RINGS + 3 * still
@@ -140,10 +148,15 @@ def navigate(
         if ready:
             row, traced = line[head], trace[done : done + 1]
             _take(row, verdicts[k], aids[aided:last], f, traced)
+            if _diverged(state, f.p):
+                state[X_POSITION] = np.nan  # for good
+                return -1 - done
             w, noise = (row[4], row[5], row[6]), row[7]
             put_state(out[done], state, f.p, w, noise, 0.5 * rules[AVERAGING] * state[STEP])
             for i in range(3):
                 out[done, STATE_ROW - 3 + i] = verdicts[k, i]
+            if state[STOOD] == 0.0:
+                out[done, STATE_ROW - 1] = 0.0  # something else saw that it moves
             if len(trace):
                 _put_trace(traced[0], f, w, noise)
             head, waiting, done = (head + 1) % (delay + 1), waiting - 1, done + 1
@@ -155,7 +168,8 @@ def navigate(
 def _take(row: Array, verdict: Array, aids: Array, f: Filter, trace: Array) -> None:
     """Take one sample and what is known of it."""
     rules, state = f.rules, f.state
-    dt, rests = row[0], verdict[2] > 0.0
+    dt, rests = row[0], verdict[2] > 0.0 and state[MOVES] == 0.0
+    state[MOVES] = max(0.0, state[MOVES] - dt)
     force, rate = (row[1], row[2], row[3]), (row[4], row[5], row[6])
     if state[SEEN] == 0.0:
         dt = 0.0
@@ -204,6 +218,24 @@ def _update(
         bound_velocity(dt, f)
     if rules[NONHOLONOMIC] > 0.0:
         roll_along(dt, rate, f)
+
+
+def _diverged(state: Array, p: Array) -> bool:
+    """Say whether this is no state, or no covariance.
+
+    What is not finite anywhere in P is so on its diagonal after the next step, before that of a
+    sample is looked at.
+    """
+    wrong = 0
+    for i in range(X):
+        if not abs(state[i]) < BEYOND:  # nor is NaN
+            wrong += 1
+    for a in range(ERRORS):
+        if not -ROUNDING < p[a, a] < BEYOND * BEYOND:
+            wrong += 1
+    a = X_ATTITUDE
+    turn = state[a] ** 2 + state[a + 1] ** 2 + state[a + 2] ** 2 + state[a + 3] ** 2
+    return wrong > 0 or turn < 0.5
 
 
 def _put_trace(trace: Array, f: Filter, rate: Vector, noise: float) -> None:

@@ -18,16 +18,17 @@ ROW = 8
 A step below 0 stands for no sample: one that waits for its verdict is taken."""
 
 AID_ROW = 25
-"""Columns of what else is known of a sample: row with which that sample is filtered, kind, values.
-"""
+"""Columns of what else is known of a sample: row with which that sample is filtered, time after
+the sample [s], 0 or less, kind, values.  So they are taken in lexicographic order."""
 
-YAW, NORTH, LEVEL, VECTOR, PLACE = range(5)
-"""Kinds of these, and their values, which end with the time [s] by which they are older than the
-sample.  Yaw [rad], its variance, times [s] since the one before, for which its error lasts, and
-for which it may be refused, who measures it; the first yaw there is, and its variance; mean force
-and rate of a rest (6), their variances; a vector that is measured: what it is, who measures it,
-time [s] since the one before, values (3), covariance (its upper half, 6), arm (3); a pose that is
-set: position (3) and covariance (6), attitude (4) and covariance (6), arm (3)."""
+YAW, NORTH, LEVEL, PLACE, VECTOR = range(5)
+"""Kinds of these, and their values.  Yaw [rad], its variance, times [s] since the one before, for
+which its error lasts, and for which it may be refused, who measures it; the first yaw there is,
+and its variance; mean force and rate of a rest (6), their variances; a vector that is measured:
+what it is, who measures it, time [s] since the one before, values (3), covariance (its upper half,
+6), arm (3); a pose that is set: position (3) and covariance (6), attitude (4) and covariance (6),
+arm (3).
+"""
 
 BODY_VELOCITY, WORLD_VELOCITY, WORLD_POSITION = range(3)
 """What a vector can be, of a point of the body at an arm [m] from the sensor: its velocity along
@@ -72,7 +73,9 @@ BOUND_REFUSED = RATE_REFUSED + 1
 ROLL_REFUSED = BOUND_REFUSED + 1
 AID_REFUSED = ROLL_REFUSED + 1
 """Time [s] for which velocity and rate of rests were refused; bound, wheels; each witness."""
-HELD = AID_REFUSED + WITNESSES
+MOVES = AID_REFUSED + WITNESSES
+"""Time [s] for which it still moves, as a velocity said that was measured."""
+HELD = MOVES + 1
 HOLDS = HELD + 1
 HOLD = HOLDS + 1
 """Time, count and sum (3) of the rates of a rest."""
@@ -124,9 +127,9 @@ LOG_ROW = 3 + 2 * ERRORS
 """Columns of the log: what was done; variance and innovation, gain (16), and of which errors (16).
 """
 
-MEASURE, CLONE, FORGET, TURN = range(4)
+MEASURE, CLONE, FORGET, TURN, FOLLOW = range(5)
 """What the log says was done: a measurement; a new floor; errors forgotten; the world turned, by
-an angle in place of the variance."""
+an angle in place of the variance; the error of the velocity, by a rotation vector there."""
 
 
 class Filter(NamedTuple):

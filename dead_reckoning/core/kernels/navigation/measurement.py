@@ -5,15 +5,17 @@ from __future__ import annotations
 from math import cos, sin
 from typing import TypeAlias
 
-from dead_reckoning.core.kernels.columns import Array, triple
+from dead_reckoning.core.kernels.columns import Array, put, triple
 from dead_reckoning.core.kernels.navigation.layout import (
     ATTITUDE,
     ERRORS,
     FLOOR,
+    FOLLOW,
     FORCE_BIAS,
     FORGET,
     LOGGED,
     MEASURE,
+    NONHOLONOMIC,
     RATE_BIAS,
     TURN,
     VELOCITY,
@@ -25,8 +27,14 @@ from dead_reckoning.core.kernels.navigation.layout import (
     X_VELOCITY,
     Filter,
 )
-from dead_reckoning.core.kernels.navigation.strapdown import cross, mirror, transpose
-from dead_reckoning.core.rotation import composed, quaternion_from_turn, unit
+from dead_reckoning.core.kernels.navigation.strapdown import added, mirror, transpose
+from dead_reckoning.core.rotation import (
+    composed,
+    matrix_from_quaternion,
+    quaternion_from_turn,
+    rotate,
+    unit,
+)
 from dead_reckoning.core.samples import Quaternion, Vector
 
 Half: TypeAlias = tuple[float, float, float, float, float, float]
@@ -100,13 +108,18 @@ def nis(p: Array, variance: float, y: Vector) -> float:
 
 
 def normalized_square(s: Half, y: Vector) -> float:
-    """Return yᵀ S⁻¹ y; of S, shape (3, 3), the upper half is given."""
-    x0, x1, x2 = y
+    """Return yᵀ S⁻¹ y; of S, shape (3, 3), the upper half is given.
+
+    By S = L D Lᵀ: a determinant has no digits left where one axis is known a million times worse.
+    """
     a, b, c, d, e, f = s
-    u, v, w = d * f - e * e, c * e - b * f, b * e - c * d
-    value = u * x0 * x0 + (a * f - c * c) * x1 * x1 + (a * d - b * b) * x2 * x2
-    value += 2.0 * (v * x0 * x1 + w * x0 * x2 + (b * c - a * e) * x1 * x2)
-    return float(value / (a * u + b * v + c * w))
+    l10, l20 = b / a, c / a
+    d, e = d - l10 * b, e - l10 * c
+    l21 = e / d
+    f -= l20 * c + l21 * e
+    y0, y1 = y[0], y[1] - l10 * y[0]
+    y2 = y[2] - l20 * y0 - l21 * y1
+    return float(y0 * y0 / a + y1 * y1 / d + y2 * y2 / f)
 
 
 def believed(f: Filter, refused: int, excess: bool, dt: float, patience: float) -> bool:
@@ -159,22 +172,46 @@ def turn_errors(m: Array, angle: float) -> None:
 
 
 def inject(f: Filter) -> None:
-    """Correct the state, and let the velocity turn with the attitude."""
+    """Correct the state, and let the velocity turn with the attitude.
+
+    What wheels measure is along the axes of the body, R̂ᵀ ξ, so there ξ turns along, too: else
+    each turn of R̂ would let them measure a little of a speed that they do not show.
+    """
+    if f.rules[NONHOLONOMIC] > 0.0:
+        turn = triple(f.dx[ATTITUDE : ATTITUDE + 3])
+        turn_velocity(f.p, turn)
+        transpose(f.p)
+        turn_velocity(f.p, turn)
+        mirror(f.p)
+        entry = enter(f, FOLLOW)
+        if entry >= 0:
+            put(f.log[entry, 1:4], turn)
     correct(f.state, f.dx)
     clear(f.dx)
 
 
+def turn_velocity(m: Array, turn: Vector) -> None:
+    """Turn the rows of velocity of m, shape (16, n), by a rotation vector [rad]."""
+    rot, v = matrix_from_quaternion(quaternion_from_turn(turn)), VELOCITY
+    for j in range(m.shape[1]):
+        m[v, j], m[v + 1, j], m[v + 2, j] = rotate(rot, (m[v, j], m[v + 1, j], m[v + 2, j]))
+
+
 def correct(x: Array, dx: Array) -> None:
-    """Add errors, shape (16,), to what is estimated, shape (≥ 17,)."""
-    turn = triple(dx[ATTITUDE : ATTITUDE + 3])
-    turned = cross(turn, triple(x[X_VELOCITY : X_VELOCITY + 3]))
+    """Add errors, shape (16,), to what is estimated, shape (≥ 17,).
+
+    v = exp(θ) (v̂ + ξ), exactly: v̂ + θ × v̂ would be faster with each large θ.
+    """
+    turn = quaternion_from_turn(triple(dx[ATTITUDE : ATTITUDE + 3]))
+    velocity = triple(x[X_VELOCITY : X_VELOCITY + 3])
+    velocity = added(velocity, triple(dx[VELOCITY : VELOCITY + 3]), 1.0)
+    put(x[X_VELOCITY : X_VELOCITY + 3], rotate(matrix_from_quaternion(turn), velocity))
     for i in range(3):
         x[X_POSITION + i] += dx[i]
-        x[X_VELOCITY + i] += dx[VELOCITY + i] + turned[i]
         x[X_RATE_BIAS + i] += dx[RATE_BIAS + i]
         x[X_FORCE_BIAS + i] += dx[FORCE_BIAS + i]
     x[X_FLOOR] += dx[FLOOR]
-    put_attitude(x, composed(quaternion_from_turn(turn), attitude_of(x)))
+    put_attitude(x, composed(turn, attitude_of(x)))
 
 
 def attitude_of(state: Array) -> Quaternion:

@@ -12,13 +12,18 @@ from dead_reckoning.core.kernels.navigation.layout import (
     CLONE,
     ERRORS,
     FLOOR,
+    FOLLOW,
     FORGET,
     GRAVITY,
     TRACE_ROW,
     TURN,
     X,
 )
-from dead_reckoning.core.kernels.navigation.measurement import correct, turn_errors
+from dead_reckoning.core.kernels.navigation.measurement import (
+    correct,
+    turn_errors,
+    turn_velocity,
+)
 from dead_reckoning.core.kernels.navigation.strapdown import carry_back, transpose
 
 PUBLISHED = 12
@@ -106,6 +111,12 @@ def _undo(entry: Array, adjoint: Array, information: Array) -> None:
         turn_errors(information, -entry[1])
         transpose(information)
         turn_errors(information, -entry[1])
+    elif what == FOLLOW:
+        turn = (-entry[1], -entry[2], -entry[3])
+        turn_velocity(adjoint, turn)
+        turn_velocity(information, turn)
+        transpose(information)
+        turn_velocity(information, turn)
     else:
         _unmeasure(entry[1], entry[2], gain, h, adjoint, information)
 

@@ -1,7 +1,7 @@
 """Carry position, velocity and attitude over one sample, and their errors with them.
 
-Derived in docs/navigation.md.  Errors are δp; ξ = v − exp(θ) v̂, the velocity seen in the attitude
-as it truly is; θ, R = exp(θ) R̂, about the axes of the world; of the biases of gyro and
+Derived in docs/navigation.md.  Errors are δp; ξ = exp(−θ) v − v̂, of the velocity along the axes
+of the body; θ, R = exp(θ) R̂, about the axes of the world; of the biases of gyro and
 accelerometer; and of the height of the floor.
 """
 

@@ -20,6 +20,7 @@ from dead_reckoning.core.kernels.navigation.layout import (
     ERRORS,
     FLOOR,
     FLOOR_KNOWN,
+    MOVES,
     PLACED,
     POSITION,
     RATE_BIAS,
@@ -54,6 +55,9 @@ from dead_reckoning.core.rotation import (
 )
 from dead_reckoning.core.samples import UNMEASURED_VARIANCE, Vector
 
+MOVING = 1.5
+"""Time [s] for which a velocity shows that the body moves: a GNSS gives one each second."""
+
 UNKNOWN = 1e6
 """So many times a variance is as good as none; its inverse is far above rounding."""
 
@@ -64,29 +68,35 @@ def follow_vector(aid: Array, rate: Vector, f: Filter) -> None:
     Its axes are turned and scaled such that their errors are independent, of variance 1: with
     L Lᵀ its covariance, L⁻¹ y and L⁻¹ H.  Where an error lasts, the more there are in that time,
     by the interval [s], the less each counts.  What is refused for too long shows that the filter
-    is wrong, by as much as can be seen.
+    is wrong, by as much as can be seen.  A velocity that is none of a body at rest, refused or
+    not, says for `MOVING` that what looks like rest is a steady drive.
     """
-    state, rules, who = f.state, f.rules, int(aid[3])
-    if state[STEP] == 0.0 and aid[17] > 0.0:  # of a gap, after which nothing is as it was
+    state, rules, who = f.state, f.rules, int(aid[4])
+    if state[STEP] == 0.0 and aid[1] < 0.0:  # of a gap, after which nothing is as it was
         state[COUNTS + AIDED + 2 * who + 1] += 1.0
         return
+    what, half = int(aid[3]), aid[9:15]
+    if what != WORLD_POSITION:
+        known = half[0], half[1], half[2], half[3], half[4], half[5]
+        if normalized_square(known, triple(aid[6:9])) > rules[AIDING_GATE]:
+            state[MOVES] = MOVING
     rows = np.zeros((3, ERRORS))
-    since = aid[17] - 0.5 * rules[AVERAGING] * state[STEP]  # a mean shows the middle of its time
-    y = _innovation(int(aid[2]), triple(aid[5:8]), triple(aid[14:17]), since, rate, f, rows)
+    since = -aid[1] - 0.5 * rules[AVERAGING] * state[STEP]  # a mean shows the middle of its time
+    y = _innovation(what, triple(aid[6:9]), triple(aid[15:18]), since, rate, f, rows)
     seen = y
-    y = _whiten(aid[8:14], y, rows)
+    y = _whiten(half, y, rows)
     excess = _square(rows, y, f) > rules[AIDING_GATE]
-    if not believed(f, AID_REFUSED + who, excess, aid[4], rules[AIDING_PATIENCE]):
+    if not believed(f, AID_REFUSED + who, excess, aid[5], rules[AIDING_PATIENCE]):
         state[COUNTS + AIDED + 2 * who + 1] += 1.0
         return
     if excess:
-        of = POSITION if int(aid[2]) == WORLD_POSITION else VELOCITY
-        if int(aid[2]) == BODY_VELOCITY:
+        of = POSITION if what == WORLD_POSITION else VELOCITY
+        if what == BODY_VELOCITY:
             seen = rotate(matrix_from_quaternion(attitude_of(state)), seen)
         for i in range(3):
             f.p[of + i, of + i] += seen[i] * seen[i]
         state[AID_REFUSED + who] = 0.0
-    weaker = max(1.0, 2.0 * rules[AIDING_CORRELATION] / aid[4]) if aid[4] > 0.0 else 1.0
+    weaker = max(1.0, 2.0 * rules[AIDING_CORRELATION] / aid[5]) if aid[5] > 0.0 else 1.0
     for i in range(3):
         for a in range(ERRORS):
             f.h[a] = rows[i, a]
@@ -178,9 +188,9 @@ def place(aid: Array, f: Filter) -> None:
     and the point is measured there.
     """
     state, rows = f.state, np.zeros((3, ERRORS))
-    sets_yaw = aid[20] < UNMEASURED_VARIANCE
-    sets_tilt = sets_yaw and max(aid[15], aid[18]) < UNMEASURED_VARIANCE
-    attitude = (aid[11], aid[12], aid[13], aid[14])
+    sets_yaw = aid[21] < UNMEASURED_VARIANCE
+    sets_tilt = sets_yaw and max(aid[16], aid[19]) < UNMEASURED_VARIANCE
+    attitude = (aid[12], aid[13], aid[14], aid[15])
     if sets_yaw:
         turn_world(f, yaw_from_quaternion(attitude) - yaw_from_quaternion(attitude_of(state)))
         f.h[ATTITUDE + 2] = 1.0
@@ -191,25 +201,25 @@ def place(aid: Array, f: Filter) -> None:
         velocity = rotate(matrix_from_quaternion(attitude_of(state)), along)
         put(state[X_VELOCITY : X_VELOCITY + 3], velocity)
         f.h[ATTITUDE] = f.h[ATTITUDE + 1] = 1.0
-    away = rotate(matrix_from_quaternion(attitude_of(state)), triple(aid[21:24]))
-    for i, variance in enumerate((aid[5], aid[8], aid[10])):
+    away = rotate(matrix_from_quaternion(attitude_of(state)), triple(aid[22:25]))
+    for i, variance in enumerate((aid[6], aid[9], aid[11])):
         if variance < UNMEASURED_VARIANCE:
-            state[X_POSITION + i] = aid[2 + i] + away[i]
+            state[X_POSITION + i] = aid[3 + i] + away[i]
             f.h[POSITION + i] = 1.0
             state[FLOOR_KNOWN] = 0.0  # another place may have another one
     f.h[FLOOR] = f.h[POSITION + 2]
     sets = (f.h[0], f.h[1], f.h[2])
     marks = (f.h[ATTITUDE], f.h[ATTITUDE + 1], f.h[ATTITUDE + 2])
     forget(f)
-    _put_half(f.p, ATTITUDE, aid[15:21], marks)
+    _put_half(f.p, ATTITUDE, aid[16:22], marks)
     _turns((-away[0], -away[1], -away[2]), rows)
-    for i, variance in enumerate((aid[5], aid[8], aid[10])):
+    for i, variance in enumerate((aid[6], aid[9], aid[11])):
         rows[i, POSITION + i] = 1.0
         if sets[i] > 0.0:
             for a in range(ATTITUDE, ATTITUDE + 3):
                 variance += 3.0 * rows[i, a] * rows[i, a] * f.p[a, a]
             f.p[i, i] = UNKNOWN * variance
-    _whiten(aid[5:11], (0.0, 0.0, 0.0), rows)
+    _whiten(aid[6:12], (0.0, 0.0, 0.0), rows)
     for i in range(3):
         if sets[i] > 0.0:
             for a in range(ERRORS):
