@@ -1,7 +1,7 @@
 """Find steps by their rhythm in magnitudes that come 50 times a second: the work of one sample.
 
-docs/pedometer.md derives it.  Everything is kept in one array, a place for each of the names below;
-moments are counted in samples from the first one on.
+docs/pedometer.md derives it.  All is kept in one array, a place for each of the names below; moments
+are counted in samples from the first one on.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ SECTIONS = 3
 """Filters of second order: one for the rhythm, two for the peaks."""
 
 RING = 320
-"""Samples of the saturated magnitude that are kept: the longest lag, and twice the longest step."""
+"""Samples of the saturated magnitude kept: the longest lag and two of the longest steps."""
 
 KEPT = 6000
 """Magnitudes that are kept: 2 minutes, in which a rhythm that is weak can show itself."""
@@ -349,9 +349,12 @@ def _credit(now: int, state: Array) -> None:
 
 
 def _queue_to(before: float, peak: float, period: float, state: Array) -> None:
-    """Count a peak, and a step or two between it and the one before that were not seen."""
+    """Count a peak, and what was not seen between it and the one before.
+
+    That is a step, or two where a foot that lands more gently makes the cycle a stride.
+    """
     parts = int((peak - before) / period + 2.0 - MISSED)
-    if parts != 2 and parts != 3:
+    if parts < 1 or parts > (3 if period < state[CYCLE] else 2):
         parts = 1
     for i in range(1, parts):
         _queue(before + (peak - before) * i / parts, period, state)

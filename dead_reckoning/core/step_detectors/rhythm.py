@@ -21,8 +21,8 @@ class RhythmSettings(Settings, prefix='pedometer.rhythm'):
 
     memory: float = parameter(
         2.0,
-        'Memory of the autocorrelation; if it is shorter, desk work looks like walking, if longer, '
-        'slow walks do not',
+        'Memory of the autocorrelation; desk work looks like walking where it is shorter, slow '
+        'walks do not where it is longer',
         unit='s',
         minimum=0.2,
         maximum=20.0,
