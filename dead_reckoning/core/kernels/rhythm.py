@@ -1,7 +1,7 @@
 """Find steps by their rhythm in magnitudes that come 50 times a second: the work of one sample.
 
-docs/pedometer.md derives it.  All is kept in one array, a place for each of the names below; moments
-are counted in samples from the first one on.
+docs/pedometer.md derives it.  All is kept in one array, with a place for each of the names below.
+Moments are counted in samples from the first one on.
 """
 
 from __future__ import annotations
