@@ -28,8 +28,8 @@ class Step:
     ``interval``
         time between these [s].
 
-    The first step of a walk has no step before it; it comes together with the second, and shares
-    its duration and its samples.
+    The first step of a walk has no step before it; it comes together with the second, and is held
+    to be as long.
     """
 
     stamp_ns: int
