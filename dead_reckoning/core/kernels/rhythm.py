@@ -1,7 +1,7 @@
 """Find steps by their rhythm in magnitudes that come 50 times a second: the work of one sample.
 
-docs/pedometer.md derives it.  All is kept in one array, a place for each of the names below; moments
-are counted in samples from the first one on.
+docs/pedometer.md derives it.  All is kept in one array, a place for each of the names below;
+moments are counted in samples from the first one on.
 """
 
 from __future__ import annotations
@@ -87,6 +87,9 @@ STEPS = 2048
     MEMORIES,
 ) = range(23)  # fmt: skip
 """Places of the state: numbers, then what follows."""
+
+RULES = FILTERS + 5 * SECTIONS
+"""How many rules there are."""
 
 PROMINENCE_AT = MEMORIES + 2 * SECTIONS
 LOOK_AT = PROMINENCE_AT + PROMINENCES
