@@ -1,7 +1,7 @@
 """Find steps by their rhythm in magnitudes that come 50 times a second: the work of one sample.
 
-docs/pedometer.md derives it.  All is kept in one array, a place for each of the names below; moments
-are counted in samples from the first one on.
+docs/pedometer.md derives it.  All is kept in one array, with a place for each of the names below.
+Moments are counted in samples from the first one on.
 """
 
 from __future__ import annotations
@@ -55,6 +55,9 @@ WAITING = 1
 PROMINENCES = 5
 """Of so many peaks the median prominence is taken."""
 
+BEHIND = 7
+"""So many samples the filter of the peaks is late, about."""
+
 LANDING = 3.0
 """A foot lands so many samples after the crest of the fundamental, in the median of walks."""
 
@@ -65,7 +68,7 @@ SECTIONS = 3
 """Filters of second order: one for the rhythm, two for the peaks."""
 
 RING = 320
-"""Samples of the saturated magnitude kept: the longest lag and two of the longest steps."""
+"""Samples of the saturated magnitude: the longest lag and two of the longest steps."""
 
 KEPT = 6000
 """Magnitudes that are kept: 2 minutes, in which a rhythm that is weak can show itself."""
@@ -227,12 +230,14 @@ def _take_peak(peak: int, now: int, soonest: float, rules: Array, state: Array) 
     gap = peak - state[LAST]
     if gap < max(soonest, max(NEAR, 1.0 - state[CORRELATION]) * period):
         return
+    if state[WALKS] > 0.0 and now - peak > 1.5 * period:  # what falls so slowly is no step
+        return
     waiting = int(state[WAITING_COUNT])
     if state[WALKS] == 0.0:
         _hold(peak, state)
         state[WAITING_COUNT] = 0.0
     elif _likeness(now, int(state[CYCLE]), int(2.0 * period), state) >= rules[LIKENESS]:
-        if waiting <= WAITING:
+        if waiting <= WAITING and now - state[WAITING_AT] < 1.6 * period:
             for i in range(waiting):
                 _queue(state[WAITING_AT + i], period, state)
         state[WAITING_COUNT] = 0.0
@@ -364,7 +369,7 @@ def _queue_to(before: float, peak: float, period: float, state: Array) -> None:
 def _queue(peak: float, period: float, state: Array) -> None:
     count = int(state[QUEUED])
     if count < STEPS:
-        state[QUEUE_AT + 2 * count] = peak
+        state[QUEUE_AT + 2 * count] = peak - BEHIND
         state[QUEUE_AT + 2 * count + 1] = period
         state[QUEUED] = count + 1
 

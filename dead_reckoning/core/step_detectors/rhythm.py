@@ -77,7 +77,7 @@ class RhythmSettings(Settings, prefix='pedometer.rhythm'):
         mutable=True,
     )
     likeness: float = parameter(
-        0.34,
+        0.32,
         'Correlation of the two steps up to a peak with those a cycle before, from which on the '
         'peak is a step; below it waits for one that is',
         minimum=-1.0,
