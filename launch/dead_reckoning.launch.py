@@ -1,7 +1,8 @@
 """Start the driver of the accelerometer and the nodes that make a position and steps of it.
 
-Where the configuration estimates by the inertial navigator, those of ``pipeline.estimators`` start
-instead, and the driver only where the argument or the configuration names its source.
+Where the configuration estimates by the inertial navigator, or counts steps on a topic and nothing
+else, those of ``pipeline.estimators`` start instead, and the driver only where the argument or the
+configuration names its source.
 """
 
 from pathlib import Path
@@ -16,8 +17,8 @@ from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.sources.driver_settings import DriverSettings
 
 PACKAGE = 'dead_reckoning'
-DRIVER, NAVIGATOR = 'accelerometer_driver', 'inertial_navigator'
-NODES = (DRIVER, 'gravity_removal', 'integrator', 'pedometer')
+DRIVER, PEDOMETER, NAVIGATOR = 'accelerometer_driver', 'pedometer', 'inertial_navigator'
+NODES = (DRIVER, 'gravity_removal', 'integrator', PEDOMETER)
 SHARE = Path(__file__).absolute().parents[1]
 RVIZ_CONFIG = SHARE / 'rviz' / 'dead_reckoning.rviz'
 AS_CONFIGURED = 'empty: as the configuration says'
@@ -104,8 +105,9 @@ def _executables(config: Path, driven: bool) -> list[str]:
         values = read_values(config)
     except SettingsError:  # one section for each node, say; what is wrong the nodes tell
         return list(NODES)
-    estimators = values.get('pipeline.estimators', ())
-    if NAVIGATOR not in estimators:
+    estimators = list(values.get('pipeline.estimators', ()))
+    counts_only = estimators == [PEDOMETER] and values.get('pipeline.source') == 'topic'
+    if NAVIGATOR not in estimators and not counts_only:
         return list(NODES)
     return [*([DRIVER] if driven or 'driver.source' in values else []), *estimators]
 

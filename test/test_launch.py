@@ -93,6 +93,11 @@ def test_a_preset_of_the_inertial_navigator_starts_it_instead(tmp_path):
     assert started(config='robot_localization.yaml') == list(NODES)
 
 
+def test_a_preset_that_only_counts_steps_starts_the_pedometer_alone():
+    assert [node.node_executable for node in nodes(config='pedestrian.yaml')] == ['pedometer']
+    assert [node.node_executable for node in nodes(config='an900.yaml')] == list(NODES)
+
+
 def test_rviz_starts_only_if_asked():
     assert [node.node_executable for node in nodes(rviz='true')] == [*NODES, 'rviz2']
 

@@ -1,6 +1,7 @@
 """The presets do what they are for: the chain on their own simulated sensor."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,13 +9,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 from simulated_walks import Walk, measured, walk
 
+from benchmarks.accuracy.trunk_walks import MMA7260QT, walked
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.compass import Compass, CompassSettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.rotation import yaw_from_quaternion
-from dead_reckoning.core.stages import COMPASS, ODOMETRY, RAW
+from dead_reckoning.core.stages import COMPASS, IMU, ODOMETRY, RAW, STEP_ODOMETRY, STEPS
 from dead_reckoning.sources.driver import front_end, simulated_sensor
 from dead_reckoning.sources.driver_settings import DriverSettings
 
@@ -100,6 +102,21 @@ def test_foot_mounted_follows_a_foot(gait):
     assert np.linalg.norm(states.position[-1] - end) < 0.02 * way
     assert states.stationary[-1]
     assert 0.2 < states.stationary.mean() < 0.9
+
+
+def test_pedestrian_counts_on_a_topic_and_walks_where_its_orientation_points():
+    """60 steps to the north-east: counted exactly, and led there."""
+    chain = Pipeline(Configuration.load(CONFIG / 'pedestrian.yaml')).chain
+    half = math.pi / 8.0
+    northeast = (0.0, 0.0, math.sin(half), math.cos(half))
+    outputs = []
+    for imu in walked(MMA7260QT, 1, cadence=1.8, step_length=0.7, steps=60):
+        outputs += chain.push(IMU, replace(imu, orientation=northeast))
+    outputs += chain.end()
+    assert [value for name, value in outputs if name == STEPS][-1] == 60
+    x, y, _ = [value for name, value in outputs if name == STEP_ODOMETRY][-1].position
+    assert x == pytest.approx(y) != 0.0
+    assert math.hypot(x, y) == pytest.approx(42.0, rel=0.1)
 
 
 def test_inertial_knows_the_attitude_of_what_a_hand_waves():

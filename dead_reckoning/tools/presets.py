@@ -102,6 +102,24 @@ PRESETS = (
         },
     ),
     Preset(
+        'pedestrian',
+        'Who walks with an IMU, anywhere on the body: a phone in a hand, a pocket or a bag, a '
+        'sensor on a belt, a watch. Run `pedometer` or `pipeline` with it, or replay a recording. '
+        'Where the Imu has an orientation, its yaw is the heading, unless a compass is heard; '
+        'without either steps and distance come all the same. As a comment: what points ahead is '
+        'y, as of a phone that is held in front, not x (docs/pedometer.md).',
+        {
+            'gravity.attitude': 'message',
+            'pedometer.method': 'rhythm',
+            'pedometer.input': 'imu/data',
+            'pedometer.heading': 'any',
+            'pedometer.heading_offset': 0.0,
+            'pipeline.source': 'topic',
+            'pipeline.estimators': ['pedometer'],
+        },
+        other={'pedometer.heading_offset': 1.5708},
+    ),
+    Preset(
         'foot_mounted',
         'An IMU with a gyro on a foot, walking or running: run `pipeline` or `inertial_navigator` '
         'with it, or replay a recording. Rest a second or two at the start, and at the end. What '
