@@ -327,6 +327,21 @@ def test_stop_in_a_walk_ends_it():
     assert counter.cadence == 0.0
 
 
+@pytest.mark.parametrize('how', ['stop', 'flush', 'gap'])
+def test_end_loses_no_step_that_was_sure(how):
+    """Cut 0.3 s after the crest of the last step: the one before it still waits for its time."""
+    counter = pedometer()
+    imus = samples(forces())[: round(100.0 * (3.0 + 9.75 / 1.8 + 0.3))]
+    run(counter, imus)
+    waiting = counter.steps
+    if how == 'gap':
+        run(counter, samples(forces(1, rest=1.0), imus[-1].stamp_ns + 2 * SECOND))
+    else:
+        getattr(counter, how)()
+    assert waiting < counter.steps == 10
+    assert not counter.walking
+
+
 def test_reset_clears_the_totals_and_counts_on():
     counter = pedometer()
     run(counter, samples(forces()))
