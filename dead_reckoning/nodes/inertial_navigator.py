@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import pickle
-import time
-
 from dead_reckoning.configuration import NAVIGATOR
 from dead_reckoning.core.chain import Chain
-from dead_reckoning.core.kernels import SLOW, accelerated
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
 from dead_reckoning.core.navigator_stage import kept, load_kernels, navigator_stage
@@ -19,15 +15,9 @@ from dead_reckoning.core.stages import (
     navigator_inputs,
     navigator_outputs,
 )
+from dead_reckoning.nodes import compiling
 from dead_reckoning.nodes.chain_node import ChainNode
-from dead_reckoning.nodes.compiling import PATIENCE, compiled_apart
-from dead_reckoning.nodes.run import StoppedError, stop_asked
 from dead_reckoning.nodes.transforms import mountings
-
-COMPILE = (
-    'import pickle, sys; from dead_reckoning.core.navigator_stage import load_kernels; '
-    'load_kernels(*pickle.load(sys.stdin.buffer))'
-)
 
 
 class InertialNavigatorNode(ChainNode):
@@ -51,26 +41,10 @@ class InertialNavigatorNode(ChainNode):
 
 
 def prepare(node: ChainNode) -> None:
-    """Load what an inertial navigator needs, before samples come that would have to wait.
-
-    Where nothing is kept yet another process compiles it, as a signal is not heard meanwhile.
-    Raises `StoppedError` for one.
-    """
+    """Load what an inertial navigator needs; raises `StoppedError` for a signal meanwhile."""
     settings = node.configuration[NavigatorSettings]
     own = [node.configuration[part] for part in settings.detector_parts]
-    if not accelerated():
-        node.get_logger().warning(SLOW)
-    elif not kept(settings):
-        node.get_logger().info('compiling the kernels, once for all: up to a minute')
-        compiled_apart([COMPILE], _given_up, pickle.dumps((settings, node.common, *own)))
-        if stop_asked():
-            raise StoppedError
-    load_kernels(settings, node.common, *own)
-
-
-def _given_up() -> bool:
-    time.sleep(PATIENCE)
-    return stop_asked()
+    compiling.prepare(node, kept, load_kernels, settings, node.common, *own)
 
 
 def serve(node: ChainNode, navigator: InertialNavigator) -> None:

@@ -10,7 +10,7 @@ from threading import Event, Thread
 from dead_reckoning.core import kernels
 from dead_reckoning.live import LiveChain
 from dead_reckoning.nodes.chain_node import ChainNode
-from dead_reckoning.nodes.compiling import PATIENCE, compiled_apart
+from dead_reckoning.nodes.compiling import PATIENCE, compiled_apart, say_slow
 
 COMPILE = (
     'import os, sys; os.nice(19); '
@@ -21,12 +21,12 @@ QUICK = 0.0005
 """How long [s] the traffic waits at most for Python, where that is loading; else it is 5 ms."""
 
 
-def load(node: ChainNode, chain: LiveChain, say_slow: bool) -> None:
+def load(node: ChainNode, chain: LiveChain) -> None:
     """Let a chain use its kernels once they are there.
 
     Loading takes half a second, so it is left to a thread.  Compiling takes many, so it is left to
     a process that has the lowest priority; without a place to keep its work, or without numba, the
-    chain goes on without kernels, and ``say_slow`` says whether to tell that numba is missing.
+    chain goes on without kernels.
     """
     if os.environ.get('NUMBA_DISABLE_JIT', '0') != '0':
         return  # numba would say so too, once its 20 MB are loaded
@@ -38,8 +38,8 @@ def load(node: ChainNode, chain: LiveChain, say_slow: bool) -> None:
             return
         if kernels.accelerated():
             chain.ready = _compiled(chain, ends) and _loaded(chain)
-        elif say_slow:
-            node.get_logger().warning(kernels.SLOW)
+        else:
+            say_slow(node)
 
     thread = Thread(target=work, name='loading')
 

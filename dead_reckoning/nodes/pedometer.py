@@ -5,6 +5,7 @@ from __future__ import annotations
 from rclpy.parameter import Parameter as RosParameter
 
 from dead_reckoning.configuration import PEDOMETER
+from dead_reckoning.core import step_detectors
 from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
@@ -17,6 +18,7 @@ from dead_reckoning.core.stages import (
     pedometer_stage,
 )
 from dead_reckoning.core.step_odometry import StepOdometry
+from dead_reckoning.nodes import compiling
 from dead_reckoning.nodes.chain_node import ChainNode
 from dead_reckoning.nodes.totals_file import TotalsFile
 from dead_reckoning.nodes.transforms import mountings
@@ -28,6 +30,7 @@ class PedometerNode(ChainNode):
     def __init__(self) -> None:
         super().__init__('pedometer', PEDOMETER)
         settings = self.configuration[PedometerSettings]
+        prepare(self)
         pedometer = Pedometer(settings, self.configuration[settings.method_part])
         odometry = StepOdometry(settings, self.common)
         says = StepOutputs(pedometer, odometry)
@@ -39,6 +42,13 @@ class PedometerNode(ChainNode):
         )
         resume(self, pedometer, says)
         serve(self, pedometer, odometry, calibrate='calibrate')
+
+
+def prepare(node: ChainNode) -> None:
+    """Load what finds the steps; raises `StoppedError` for a signal meanwhile."""
+    method = node.configuration[PedometerSettings].method
+    if step_detectors.detector_class(method).KERNELS:
+        compiling.prepare(node, step_detectors.kept, step_detectors.load_kernels, method)
 
 
 def resume(node: ChainNode, pedometer: Pedometer, says: StepOutputs) -> None:

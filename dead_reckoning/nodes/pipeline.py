@@ -33,6 +33,8 @@ class PipelineNode(ChainNode):
         from_topic = settings.source == 'topic'
         if 'inertial_navigator' in settings.estimators:
             inertial_navigator.prepare(self)
+        if 'pedometer' in settings.estimators:
+            pedometer.prepare(self)
         pipeline = Pipeline(
             self.configuration, self._ending(settings), mountings(self, self.frames)
         )
@@ -67,7 +69,7 @@ class PipelineNode(ChainNode):
                 self, pipeline.pedometer, pipeline.step_odometry, calibrate='pedometer/calibrate'
             )
         if live is not None:  # last: its thread ends with the node
-            load(self, live, say_slow=pipeline.navigator is None)  # which says so itself
+            load(self, live)
 
     def _needs_compass(self, pipeline: Pipeline) -> bool:
         return (

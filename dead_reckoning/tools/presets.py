@@ -95,6 +95,7 @@ PRESETS = (
             'driver.samples_per_message': 4,
             'driver.calibrate_on_start': False,
             'driver.walk.roll': 1.5708,
+            'pedometer.method': 'an900',
             'pedometer.axes': ('x', 'y'),
             'pedometer.length_model': 'an900_equation2',
             'pipeline.estimators': ('pedometer',),

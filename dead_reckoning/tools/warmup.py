@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from dead_reckoning.configuration import Configuration
-from dead_reckoning.core import stationarity
+from dead_reckoning.core import stationarity, step_detectors
 from dead_reckoning.core.batch.navigator import navigator_run
 from dead_reckoning.core.blocks import ImuBlock
 from dead_reckoning.core.common import CommonSettings
@@ -58,6 +58,8 @@ def warm_up() -> None:
             pipeline.chain.push(name, block)
     for kind in KINDS:
         kind.compile()
+    for method in step_detectors.names():
+        step_detectors.load_kernels(method)
     for detector in stationarity.names():
         navigate(NavigatorSettings(detector=(detector,)), block)
 

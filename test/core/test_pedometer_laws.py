@@ -49,7 +49,7 @@ def walk(rate=RATE, cadence=1.8, amplitude=1.0):
         [
             1.2 * np.sin(turn),
             0.5 * np.sin(turn / 2.0),
-            2.5 * (-np.cos(turn) + 0.4 * np.cos(2.0 * turn)),
+            2.5 * (-np.sin(turn) + 0.4 * np.sin(2.0 * turn)),
         ]
     )
     quiet = np.zeros((round(3.0 * rate), 3))

@@ -40,7 +40,6 @@ from dead_reckoning.core.stages import (
     pedometer_inputs,
     pedometer_stage,
 )
-from dead_reckoning.core.step_detectors.an900 import An900Settings
 from dead_reckoning.core.step_odometry import StepOdometry
 
 START_NS = 1_700_000_000_000_000_000
@@ -52,7 +51,7 @@ class Walker:
 
     def __init__(self, **settings):
         self.settings = PedometerSettings(**settings)
-        self.pedometer = Pedometer(self.settings, An900Settings())
+        self.pedometer = Pedometer(self.settings, self.settings.method_part())
         self.odometry = StepOdometry(self.settings, CommonSettings())
         self.chain = Chain([pedometer_stage(self.pedometer, self.odometry)])
         self.outputs = []
@@ -69,7 +68,7 @@ class Walker:
 def walk(steps=12, orientation=None, start_ns=START_NS, cadence=1.8):
     rest = np.full(3 * RATE, GRAVITY)
     turn = 2.0 * np.pi * cadence * np.arange(round(RATE * steps / cadence)) / RATE
-    forces = np.concatenate([rest, GRAVITY - 2.5 * np.cos(turn), rest])
+    forces = np.concatenate([rest, GRAVITY - 2.5 * np.sin(turn), rest])
     return [
         ImuSample(
             start_ns + number * 1_000_000_000 // RATE,

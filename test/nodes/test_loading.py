@@ -23,6 +23,7 @@ SETTINGS = {
     'gravity.attitude': 'message',
     'pipeline.estimators': ['integrator', 'pedometer'],
     'pedometer.input': 'imu/data',
+    'pedometer.method': 'an900',  # for which nothing has to be compiled
 }
 
 
@@ -123,10 +124,11 @@ def test_where_nothing_is_kept_it_starts_at_once_and_ends_while_compiling(
     assert not compiler.exists()
 
 
-def test_a_navigator_that_has_to_compile_first_hears_a_signal(ros, tmp_path, monkeypatch):
+@pytest.mark.parametrize('name', ['inertial_navigator', 'pedometer', 'pipeline'])
+def test_what_has_to_compile_first_hears_a_signal(ros, tmp_path, monkeypatch, name):
     pytest.importorskip('numba')
     monkeypatch.setenv('NUMBA_CACHE_DIR', str(tmp_path / 'empty'))
-    node = ros.start('inertial_navigator')
+    node = ros.start(name, {'pipeline.estimators': ['pedometer']} if name == 'pipeline' else None)
     ros.until(lambda: 'compiling the kernels' in node.stderr, 'the compiler')
     begin = time.monotonic()
     assert node.end(signal.SIGINT) == 0
@@ -144,3 +146,22 @@ def test_without_numba_it_says_so_once_and_goes_on(tmp_path, monkeypatch, reques
     assert taken(said) == 0
     assert node.end(signal.SIGINT) == 0
     assert node.stderr.count('numba is not there') == 1
+
+
+@pytest.mark.parametrize('name', ['pedometer', 'pipeline'])
+def test_what_finds_steps_is_there_before_the_first_sample(name):
+    pytest.importorskip('numba')
+    code = (
+        'import sys, rclpy\n'
+        f'from dead_reckoning.nodes.{name} import NODE\n'
+        'from dead_reckoning.core import kernels\n'
+        'made = []\n'
+        'kernels.load = lambda kernel, *arguments: True\n'
+        'kernels._kept = lambda function: (made.append(function.__qualname__), function)[1]\n'
+        "rclpy.init(args=['--ros-args', '-p', 'pipeline.estimators:=[pedometer]'])\n"
+        'node = NODE()\n'
+        'print(*made)\n'
+    )
+    environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)}
+    found = subprocess.run([sys.executable, '-c', code], env=environment, stdout=subprocess.PIPE)
+    assert found.stdout.split() == [b'take', b'finish']

@@ -38,7 +38,7 @@ def walk(steps, start_ns=START_NS, orientation=None, cadence=1.8, rest=3.0):
     """Return messages of a rest, a walk and a rest."""
     quiet = np.full(round(rest * RATE), GRAVITY)
     turn = 2.0 * np.pi * cadence * np.arange(round(RATE * steps / cadence)) / RATE
-    walked = GRAVITY - 2.5 * np.cos(turn) + 0.8 * np.cos(2.0 * turn)
+    walked = GRAVITY - 2.5 * np.sin(turn) + 0.8 * np.sin(2.0 * turn)
     forces = np.concatenate([quiet, walked, quiet])
     return [
         imu_message(start_ns + k * NANOSECONDS // RATE, (0.1, -0.2, force), orientation)
@@ -383,7 +383,7 @@ def test_node_killed_at_any_moment_of_a_walk_loses_no_step_that_it_said(ros, qui
 
     def walk_on():
         for number in itertools.islice(endless, 10):
-            force = GRAVITY - 2.5 * math.cos(2.0 * math.pi * 1.8 * number / RATE)
+            force = GRAVITY - 2.5 * math.sin(2.0 * math.pi * 1.8 * number / RATE)
             stamp = START_NS + number * NANOSECONDS // RATE
             publisher.publish(imu_message(stamp, (0.1, -0.2, force)))
 

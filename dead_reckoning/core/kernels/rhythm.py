@@ -91,6 +91,9 @@ STEPS = 2048
 ) = range(23)  # fmt: skip
 """Places of the state: numbers, then what follows."""
 
+RULES = FILTERS + 5 * SECTIONS
+"""How many rules there are."""
+
 PROMINENCE_AT = MEMORIES + 2 * SECTIONS
 LOOK_AT = PROMINENCE_AT + PROMINENCES
 WAITING_AT = LOOK_AT + LOOKS
@@ -204,10 +207,13 @@ def _find_peak(smooth: float, now: int, rules: Array, state: Array) -> int:
         state[TOP], state[TOP_AT] = smooth, now
     if smooth >= state[TOP] - least:
         return -1
-    state[PROMINENCE_AT + int(state[PROMINENT]) % PROMINENCES] = state[TOP] - state[BOTTOM]
-    state[PROMINENT] += 1.0
+    prominence = state[TOP] - state[BOTTOM]
     state[TURNED] = now
     state[SEEKS], state[BOTTOM] = 0.0, smooth
+    if now - state[TOP_AT] > LONGEST:
+        return -1  # a rest was between: no crest, but what the last trough came back to
+    state[PROMINENCE_AT + int(state[PROMINENT]) % PROMINENCES] = prominence
+    state[PROMINENT] += 1.0
     return int(state[TOP_AT])
 
 

@@ -7,10 +7,12 @@ A module of this package offers ``DETECTOR``, a class that obeys `StepDetector`;
 from __future__ import annotations
 
 import pkgutil
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, ClassVar, Protocol
 
+from dead_reckoning.core import kernels
 from dead_reckoning.core.parameters import Settings
 from dead_reckoning.core.step_window import StepWindow
 
@@ -28,8 +30,8 @@ class Step:
     ``interval``
         time between these [s].
 
-    The first step of a walk has no step before it; it comes together with the second, and shares
-    its duration and its samples.
+    The first step of a walk has no step before it; it comes together with the second, and is held
+    to be as long.
     """
 
     stamp_ns: int
@@ -48,6 +50,8 @@ class StepDetector(Protocol):
     Settings: ClassVar[type[Settings]]
     RATE: ClassVar[int]
     """Samples per second it wants [Hz]."""
+    KERNELS: ClassVar[tuple[tuple[Callable[..., Any], tuple[Any, ...]], ...]]
+    """The kernels that it calls, each with arguments for which it can be compiled."""
 
     walking: bool
     """Whether a walk goes on."""
@@ -76,3 +80,14 @@ def names() -> tuple[str, ...]:
 def detector_class(name: str) -> Any:
     """Return the class of a method by its name."""
     return import_module(f'{__name__}.{name}').DETECTOR
+
+
+def kept(name: str) -> bool:
+    """Load the kernels of a method that an earlier run has kept; say whether those are all."""
+    return all(kernels.load(kernel, *given) for kernel, given in detector_class(name).KERNELS)
+
+
+def load_kernels(name: str) -> None:
+    """Load the kernels of a method, or compile them, so that samples need not wait for it."""
+    for kernel, given in detector_class(name).KERNELS:
+        kernel(*given)

@@ -74,6 +74,7 @@ class An900Detector:
 
     Settings: ClassVar[type[Settings]] = An900Settings
     RATE: ClassVar[int] = 30
+    KERNELS: ClassVar[tuple[()]] = ()
 
     def __init__(self, settings: An900Settings, window: StepWindow) -> None:
         self.settings = settings

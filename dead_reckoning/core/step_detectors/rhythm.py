@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import floor
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -114,6 +114,10 @@ class RhythmDetector:
 
     Settings: ClassVar[type[Settings]] = RhythmSettings
     RATE: ClassVar[int] = rhythm.RATE
+    KERNELS: ClassVar[Any] = (
+        (rhythm.take, (0.0, 0.0, 0.0, np.ones(rhythm.RULES), rhythm.new_state())),
+        (rhythm.finish, (rhythm.new_state(),)),
+    )
 
     def __init__(self, settings: RhythmSettings, window: StepWindow) -> None:
         self._window = window

@@ -111,6 +111,12 @@ def test_window_of_time_skips_what_is_too_fast():
     assert len(run(detector(shortest=0.4), fast)) < 0.6 * len(run(detector(), fast))
 
 
+def test_first_step_shares_the_samples_of_the_second():
+    first, second = run(detector(), sine(1.5))[:2]
+    assert first.duration == second.duration
+    assert first.samples == second.samples
+
+
 def test_walk_begins_with_two_rises_of_like_height():
     """What stirs before the first step is none, whichever way it goes."""
     walk = np.concatenate([np.full(60, GRAVITY), GRAVITY - 2.0 * np.cos(np.arange(200) * 0.3)])

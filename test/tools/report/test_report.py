@@ -26,7 +26,6 @@ from dead_reckoning.core.stages import (
     integrator_stage,
     pedometer_stage,
 )
-from dead_reckoning.core.step_detectors.an900 import An900Settings
 from dead_reckoning.core.step_odometry import StepOdometry
 from dead_reckoning.sources.driver import front_end, simulated_sensor
 from dead_reckoning.sources.driver_settings import DriverSettings
@@ -66,7 +65,7 @@ def replayed(name, configuration, *blocks, on_foot=False):
     stages = [gravity_stage(removal)]
     if on_foot:
         settings = configuration[PedometerSettings]
-        pedometer = Pedometer(settings, An900Settings())
+        pedometer = Pedometer(settings, configuration[settings.method_part])
         stages.append(pedometer_stage(pedometer, StepOdometry(settings, common)))
     else:
         stages.append(integrator_stage(Integrator(configuration[IntegratorSettings], common)))
