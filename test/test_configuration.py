@@ -44,6 +44,12 @@ WITHOUT_UNIT = {
     'navigator.sampling_noise',
     'navigator.shoe.share',
     'pedometer.length_deviation',
+    'pedometer.rhythm.centre',
+    'pedometer.rhythm.faint',
+    'pedometer.rhythm.gain',
+    'pedometer.rhythm.likeness',
+    'pedometer.rhythm.share',
+    'pedometer.rhythm.strong',
     'pedometer.step_deviation',
 }
 """Real numbers that are ratios."""
