@@ -16,6 +16,13 @@ GAP_NS = 700_000_000
 LONG_GAP_NS = 2_000_000_000
 NAN = float('nan')
 
+EAGER = {
+    'pedometer.rhythm.open': 0.01,
+    'pedometer.rhythm.centre': 0.0,
+    'pedometer.rhythm.likeness': -1.0,
+}
+"""Settings with which the short movements of `recording` are steps."""
+
 
 def recording(seed, seconds=10.0, rate=100, gyro=False, orientation=False, odd=0.01):
     """Return samples of rests and movements in turn, a part of which, ``odd``, is not regular."""

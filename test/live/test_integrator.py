@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from driven import assert_same, driven, spoiled
-from random_recordings import LONG_GAP_NS, recording
+from random_recordings import EAGER, LONG_GAP_NS, recording
 
 from dead_reckoning import wire
 from dead_reckoning.configuration import Configuration
@@ -40,7 +40,7 @@ from dead_reckoning.live.integrator import IntegratorChain
 
 ALL = ['integrator', 'pedometer']
 MESSAGE = {'gravity.attitude': 'message'}
-WALK = {'pipeline.estimators': ALL}
+WALK = {'pipeline.estimators': ALL, **EAGER}
 
 CHAINS = {
     'integrator': {},

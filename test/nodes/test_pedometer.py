@@ -245,11 +245,11 @@ def test_settings_of_pedometer_and_method_change_while_it_runs(ros):
     assert ros.get('pedometer', 'pedometer.k') == [0.7]
     (result,) = ros.set('pedometer', pedometer__k=2)
     assert result.successful
-    (result,) = ros.set('pedometer', pedometer__an900__slope_threshold=50.0)
+    (result,) = ros.set('pedometer', pedometer__rhythm__rise=50.0)
     assert result.successful
     walker.walk(6)
     walker.wait(0)
-    (result,) = ros.set('pedometer', pedometer__an900__slope_threshold=0.12)
+    (result,) = ros.set('pedometer', pedometer__rhythm__rise=0.25)
     assert result.successful
     walker.walk(6)
     walker.wait(6)
