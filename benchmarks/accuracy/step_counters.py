@@ -116,6 +116,8 @@ def published(walk: Walk, **settings: Any) -> Published:
             continue
         newest_ns = max(newest_ns, stamp_ns)
         steps += [(state.stamp_ns, newest_ns, going) for state in states if state.duration]
+    # As a replay does at its end.
+    steps += [(s.stamp_ns, newest_ns, True) for s in pedometer.flush() if s.duration]
     stamps, newest, went = np.array(steps, np.int64).reshape(-1, 3).T
     return Published(stamps, newest, went.astype(bool), refused)
 
