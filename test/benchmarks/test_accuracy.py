@@ -195,7 +195,7 @@ def test_the_command_measures_what_is_there(tmp_path, domain_id):
 def test_nothing_there_is_an_error(tmp_path):
     done = run(tmp_path, '--output', tmp_path / 'out')
     assert done.returncode == 2
-    assert done.stdout.count('skipped') == 11
+    assert done.stdout.count('skipped') == 12
     assert 'none of the recordings is there' in done.stderr
 
 
