@@ -338,8 +338,16 @@ def kept(path):
     return decode(path.read_bytes())
 
 
-def test_totals_outlast_a_killed_node(ros, executor, tmp_path):
-    path = tmp_path / 'totals'
+@pytest.fixture
+def quick_folder(tmp_path):
+    """A folder in memory where there is one: a busy disk may take longer than a node waits."""
+    memory = Path('/dev/shm')
+    with TemporaryDirectory(dir=memory if memory.is_dir() else tmp_path) as folder:
+        yield Path(folder)
+
+
+def test_totals_outlast_a_killed_node(ros, executor, quick_folder):
+    path = quick_folder / 'totals'
     walker = Walker(ros, executor, pedometer__state_file=str(path))
     walker.walk(6)
     walker.wait(6)
@@ -366,14 +374,6 @@ def test_totals_outlast_a_pipeline_that_is_told_to_end(ros, tmp_path):
     steps = ros.record(STEPS, UInt32, LATCHED)
     ros.start('pipeline', settings)
     assert steps.wait(1)[0].data == 6
-
-
-@pytest.fixture
-def quick_folder(tmp_path):
-    """A folder in memory where there is one: a busy disk may take longer than a node waits."""
-    memory = Path('/dev/shm')
-    with TemporaryDirectory(dir=memory if memory.is_dir() else tmp_path) as folder:
-        yield Path(folder)
 
 
 def test_node_killed_at_any_moment_of_a_walk_loses_no_step_that_it_said(ros, quick_folder):
