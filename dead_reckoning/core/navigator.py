@@ -130,7 +130,6 @@ class InertialNavigator:
         self._alignment = Alignment(self.settings)
         self._search: Alignment | None = None
         self._aids = Aids()
-        self._jumps: list[int] = []  # stamps at which the body is to be placed
         self._to_north = False  # whether the yaw is one of a compass
         self._heard = self._silent = False  # a compass, ever, and lately
         self._waiting: deque[int] = deque()
@@ -255,7 +254,7 @@ class InertialNavigator:
             # Its sample is not filtered yet, or was when nothing was kept.
             self._aids.add(stamp_ns, kind, values)
         if kind == layout.PLACE:
-            self._jumps.append(stamp_ns)
+            self.strides.placings.append(stamp_ns)
 
     def begins_anew(self, imu: ImuSample) -> bool:
         """Say whether a sample makes it start all over, so that what waits comes out before.
@@ -369,24 +368,12 @@ class InertialNavigator:
         if done:
             block = state_block(np.concatenate(filtered), out[:done])
             self._note(out[done - 1].tolist())
-            self._count(block)
+            count_strides(self.strides, block)
             begin = int(np.searchsorted(block.stamp_ns, self._begin_ns))
             found = block.part(begin, done) if begin < done else None
         if diverged:
             self._give_up()
         return found
-
-    def _count(self, block: StateBlock) -> None:
-        """Count the strides of a block; where the body was placed nobody walked."""
-        begin = 0
-        for stamp_ns in sorted(self._jumps):
-            end = int(np.searchsorted(block.stamp_ns, stamp_ns))
-            if end == len(block):
-                break
-            count_strides(self.strides, block.part(begin, end))
-            self._land(stamp_ns)
-            begin = end
-        count_strides(self.strides, block.part(begin, len(block)))
 
     def _give_up(self) -> None:
         """Start over, as the filter has no state any more."""
@@ -431,18 +418,12 @@ class InertialNavigator:
         """Take note of the next state; return its stamp [ns]."""
         self._note(values)
         stamp_ns = self._waiting.popleft()
-        if self._jumps:
-            self._land(stamp_ns)
+        strides = self.strides
+        if strides.placings:
+            strides.reach(stamp_ns)
         x, y, z = values[:3]
-        self.strides.update(self.stationary, (x, y, z))
+        strides.update(self.stationary, (x, y, z))
         return stamp_ns
-
-    def _land(self, stamp_ns: int) -> None:
-        """Go on from elsewhere, where the body was placed: it did not walk there."""
-        later = [jump_ns for jump_ns in self._jumps if jump_ns > stamp_ns]
-        if len(later) < len(self._jumps):
-            self._jumps = later
-            self.strides.forget_stance()
 
     def _variance(self, imu: ImuSample) -> float:
         covariance = imu.angular_velocity_covariance

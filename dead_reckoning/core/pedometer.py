@@ -359,9 +359,9 @@ class Pedometer:
     def update(self, imu: ImuSample) -> list[PedometerState]:
         """Take one sample; return a state for each step it proves, and for the end of a walk.
 
-        A step is proven 0.15 s and `reorder_time` after it ended, the first of a walk
-        together with the second.  Raises `SampleError` (not finite, no acceleration, stale stamp),
-        and then nothing changed.
+        How long after a step that is, and how many of the first come together, is up to the
+        method; `reorder_time` comes to it.  Raises `SampleError` (not finite, no acceleration,
+        stale stamp), and then nothing changed.
         """
         force = imu.specific_force
         require_force(imu)

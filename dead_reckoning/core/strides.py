@@ -22,6 +22,8 @@ class Strides:
 
     def __init__(self) -> None:
         self.count = 0
+        self.placings: list[int] = []
+        """Stamps [ns] at which the body is going to be placed: there it does not walk."""
         self._length = 0.0
         self._left: Vector | None = None
         self._last: Vector | None = None
@@ -33,9 +35,12 @@ class Strides:
             return self._length
         return self._length + dist(self._left, self._last)
 
-    def forget_stance(self) -> None:
-        """Go on from elsewhere: the body was placed there, it did not walk."""
-        self._length, self._left, self._last = self.distance, None, None
+    def reach(self, stamp_ns: int) -> None:
+        """Go on from elsewhere, where the body was placed by then: it did not walk there."""
+        later = [placing_ns for placing_ns in self.placings if placing_ns > stamp_ns]
+        if len(later) < len(self.placings):
+            self.placings = later
+            self._length, self._left, self._last = self.distance, None, None
 
     def update(self, stationary: bool, position: Vector) -> None:
         """Take the next state: whether the foot stands, and where, shape (3,) [m].
@@ -53,7 +58,23 @@ class Strides:
 
 
 def count_strides(strides: Strides, block: StateBlock) -> None:
-    """Count the strides of a block; what is between two changes does not matter."""
+    """Count the strides of a block, one placing after the other."""
+    begin = 0
+    for stamp_ns in sorted(strides.placings):
+        end = int(np.searchsorted(block.stamp_ns, stamp_ns))
+        if end == len(block):
+            break
+        _count(strides, block.part(begin, end))
+        strides.reach(stamp_ns)
+        begin = end
+    _count(strides, block.part(begin, len(block)))
+
+
+def _count(strides: Strides, block: StateBlock) -> None:
+    """Count those of a block within which nothing is placed.
+
+    What is between two changes does not matter.
+    """
     if not len(block):
         return
     changes = np.flatnonzero(np.diff(block.stationary))
