@@ -109,20 +109,18 @@ def test_it_goes_back_over_what_is_no_measurement(kind):
     adjoint, root = random.normal(size=(16, 1)), random.normal(size=(16, 16))
     information = root @ root.T
     step = np.eye(16)
-    forgotten, angle, spin = np.zeros(16), 0.7, np.zeros(3)
+    forgotten, spin = np.zeros(16), np.array([0.7, -0.2, 0.4])
     if kind == layout.CLONE:
         step[15] = step[2]
     elif kind == layout.FORGET:
         forgotten[[3, 4, 11]] = 1.0
         step[[3, 4, 11]] = 0.0
-    elif kind == layout.FOLLOW:
-        spin = np.array([angle, -0.2, 0.4])
-        step[3:6, 3:6] = Rotation.from_rotvec(spin).as_matrix()
     else:
-        turn = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
-        step[3:5, 3:5] = step[6:8, 6:8] = turn
+        step[3:6, 3:6] = Rotation.from_rotvec(spin).as_matrix()
+        if kind == layout.TURN:
+            step[6:9, 6:9] = step[3:6, 3:6]
     expected, spread = step.T @ adjoint, step.T @ information @ step
-    entry = np.array([kind, angle, *spin[1:], *np.zeros(15), *forgotten])
+    entry = np.array([kind, *spin, *np.zeros(15), *forgotten])
     _undo(entry, adjoint, information)
     np.testing.assert_allclose(adjoint, expected, atol=1e-12)
     np.testing.assert_allclose(information, spread, atol=1e-12)

@@ -128,8 +128,8 @@ LOG_ROW = 3 + 2 * ERRORS
 """
 
 MEASURE, CLONE, FORGET, TURN, FOLLOW = range(5)
-"""What the log says was done: a measurement; a new floor; errors forgotten; the world turned, by
-an angle in place of the variance; the error of the velocity, by a rotation vector there."""
+"""What the log says was done: a measurement; a new floor; errors forgotten; the world turned, by a
+rotation vector in place of the variance and what follows; the error of the velocity alone."""
 
 
 class Filter(NamedTuple):

@@ -147,28 +147,12 @@ def forget(f: Filter) -> None:
 
 def turn_world(f: Filter, angle: float) -> None:
     """Turn velocity and attitude about the vertical by an angle [rad]; the position stays."""
-    x = f.state
-    turn = quaternion_from_turn((0.0, 0.0, angle))
-    put_attitude(x, composed(turn, attitude_of(x)))
+    x, turn = f.state, (0.0, 0.0, angle)
+    put_attitude(x, composed(quaternion_from_turn(turn), attitude_of(x)))
     c, s = cos(angle), sin(angle)
     vx, vy = x[X_VELOCITY], x[X_VELOCITY + 1]
     x[X_VELOCITY], x[X_VELOCITY + 1] = c * vx - s * vy, s * vx + c * vy
-    turn_errors(f.p, angle)
-    transpose(f.p)
-    turn_errors(f.p, angle)
-    mirror(f.p)
-    entry = enter(f, TURN)
-    if entry >= 0:
-        f.log[entry, 1] = angle
-
-
-def turn_errors(m: Array, angle: float) -> None:
-    """Turn the rows of velocity and attitude of m, shape (16, n), about the vertical."""
-    c, s = cos(angle), sin(angle)
-    for i in (VELOCITY, ATTITUDE):
-        for j in range(m.shape[1]):
-            x, y = m[i, j], m[i + 1, j]
-            m[i, j], m[i + 1, j] = c * x - s * y, s * x + c * y
+    _turn(f, TURN, turn)
 
 
 def inject(f: Filter) -> None:
@@ -178,23 +162,39 @@ def inject(f: Filter) -> None:
     each turn of R̂ would let them measure a little of a speed that they do not show.
     """
     if f.rules[NONHOLONOMIC] > 0.0:
-        turn = triple(f.dx[ATTITUDE : ATTITUDE + 3])
-        turn_velocity(f.p, turn)
-        transpose(f.p)
-        turn_velocity(f.p, turn)
-        mirror(f.p)
-        entry = enter(f, FOLLOW)
-        if entry >= 0:
-            put(f.log[entry, 1:4], turn)
+        _turn(f, FOLLOW, triple(f.dx[ATTITUDE : ATTITUDE + 3]))
     correct(f.state, f.dx)
     clear(f.dx)
 
 
-def turn_velocity(m: Array, turn: Vector) -> None:
-    """Turn the rows of velocity of m, shape (16, n), by a rotation vector [rad]."""
-    rot, v = matrix_from_quaternion(quaternion_from_turn(turn)), VELOCITY
-    for j in range(m.shape[1]):
-        m[v, j], m[v + 1, j], m[v + 2, j] = rotate(rot, (m[v, j], m[v + 1, j], m[v + 2, j]))
+def _turn(f: Filter, what: int, turn: Vector) -> None:
+    """Turn errors by a rotation vector [rad], and log that."""
+    turn_both(f.p, what, turn)
+    mirror(f.p)
+    entry = enter(f, what)
+    if entry >= 0:
+        put(f.log[entry, 1:4], turn)
+
+
+def turn_both(m: Array, what: int, turn: Vector) -> None:
+    """Turn rows and columns of m, symmetric, shape (16, 16), as `turn_errors` does rows."""
+    turn_errors(m, what, turn)
+    transpose(m)
+    turn_errors(m, what, turn)
+
+
+def turn_errors(m: Array, what: int, turn: Vector) -> None:
+    """Turn rows of m, shape (16, n), by a rotation vector [rad].
+
+    They are those of the velocity, and, where ``what`` is TURN and not FOLLOW, of the attitude.
+    """
+    rot = matrix_from_quaternion(quaternion_from_turn(turn))
+    for i in (VELOCITY, ATTITUDE):
+        if i == VELOCITY or what == TURN:
+            for j in range(m.shape[1]):
+                m[i, j], m[i + 1, j], m[i + 2, j] = rotate(
+                    rot, (m[i, j], m[i + 1, j], m[i + 2, j])
+                )
 
 
 def correct(x: Array, dx: Array) -> None:

@@ -21,8 +21,8 @@ from dead_reckoning.core.kernels.navigation.layout import (
 )
 from dead_reckoning.core.kernels.navigation.measurement import (
     correct,
+    turn_both,
     turn_errors,
-    turn_velocity,
 )
 from dead_reckoning.core.kernels.navigation.strapdown import carry_back, transpose
 
@@ -90,7 +90,7 @@ def _shrink(p: Array, information: Array, half: Array, smoothed: Array) -> None:
 
 def _undo(entry: Array, adjoint: Array, information: Array) -> None:
     """Go back over one entry of the log."""
-    what, gain, h = entry[0], entry[3 : 3 + ERRORS], entry[3 + ERRORS :]
+    what, gain, h = int(entry[0]), entry[3 : 3 + ERRORS], entry[3 + ERRORS :]
     if what == FORGET:
         for a in range(ERRORS):
             if h[a] != 0.0:
@@ -106,17 +106,10 @@ def _undo(entry: Array, adjoint: Array, information: Array) -> None:
             information[a, 2] += information[a, FLOOR]
         for a in range(ERRORS):
             information[FLOOR, a] = information[a, FLOOR] = 0.0
-    elif what == TURN:
-        turn_errors(adjoint, -entry[1])
-        turn_errors(information, -entry[1])
-        transpose(information)
-        turn_errors(information, -entry[1])
-    elif what == FOLLOW:
+    elif what in (TURN, FOLLOW):
         turn = (-entry[1], -entry[2], -entry[3])
-        turn_velocity(adjoint, turn)
-        turn_velocity(information, turn)
-        transpose(information)
-        turn_velocity(information, turn)
+        turn_errors(adjoint, what, turn)
+        turn_both(information, what, turn)
     else:
         _unmeasure(entry[1], entry[2], gain, h, adjoint, information)
 
