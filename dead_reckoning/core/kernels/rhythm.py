@@ -37,14 +37,18 @@ STRIDE = 40
 HALF = 0.5
 """A cycle is a stride if half of it has so much of its autocorrelation,"""
 
-HEAVY = 1.6
-"""or the magnitude deviates by more than this [m/s²]: nobody steps that slowly so hard."""
+HEAVY, HEAVY_HALF = 1.4, -0.6
+"""or, where the magnitude deviates by more than this [m/s²], so much: few step that slowly so hard,
+but those who do show the half of their step upside down."""
 
 NEAR = 0.35
 """Peaks are no closer than so much of a step's time, in a perfect rhythm; 1 − r in another one."""
 
-MISSED = 1.8
-"""Of so many steps' times between peaks, one step was not seen."""
+FEWEST = 5
+"""So many peaks make a walk: four times between them that are alike are no chance."""
+
+MISSED, REST = 1.8, 3.8
+"""Of so many steps' times between peaks, a step was not seen, or nobody walked."""
 
 CREDIT = 100
 """Samples before the evidence begins, in which the steps that make it lie."""
@@ -152,7 +156,7 @@ def take(magnitude: float, soonest: float, latest: float, rules: Array, state: A
     if peak >= 0:
         _take_peak(peak, now, soonest * RATE, rules, state)
     if now % LOOK == 0 and now >= LONGEST + 2:
-        _look(now, rules, state)
+        _look(now, soonest * RATE, rules, state)
     state[COUNT] = now + 1
     return _publish(now, latest * RATE, False, state)
 
@@ -247,7 +251,7 @@ def _take_peak(peak: int, now: int, soonest: float, rules: Array, state: Array) 
             for i in range(waiting):
                 _queue(state[WAITING_AT + i], period, state)
         state[WAITING_COUNT] = 0.0
-        _queue_to(state[LAST], peak, period, state)
+        _queue_to(state[LAST], peak, period, soonest, state)
     else:
         if waiting < WAITING:
             state[WAITING_AT + waiting] = peak
@@ -282,7 +286,7 @@ def _likeness(now: int, lag: int, span: int, state: Array) -> float:
     return best
 
 
-def _look(now: int, rules: Array, state: Array) -> None:
+def _look(now: int, soonest: float, rules: Array, state: Array) -> None:
     """Look for the cycle, add up what it says, and open or close the gate."""
     for lag in range(SHORTEST - 1, LONGEST + 2):  # of energies that were as strong
         ago = state[ENERGY_AT + (now - lag) % RING]
@@ -293,11 +297,11 @@ def _look(now: int, rules: Array, state: Array) -> None:
     if found > 0:
         correlation = state[LIKE_AT + found]
         state[CORRELATION], state[CYCLE], state[PERIOD] = correlation, found, found
-        if found > STRIDE and (
-            sqrt(state[SQUARE]) > HEAVY
-            or _best((found + 1) // 2 - 3, (found + 1) // 2 + 3, state) > HALF * correlation
-        ):
-            state[PERIOD] = 0.5 * found
+        if found > STRIDE:
+            half = _best((found + 1) // 2 - 3, (found + 1) // 2 + 3, state)
+            least = HEAVY_HALF if sqrt(state[SQUARE]) > HEAVY else HALF
+            if half > least * correlation:
+                state[PERIOD] = 0.5 * found
     seen = int(state[SEEN])
     before, state[LOOK_AT + seen % LOOKS] = int(state[LOOK_AT + seen % LOOKS]), found
     state[SEEN] = seen + 1
@@ -311,8 +315,7 @@ def _look(now: int, rules: Array, state: Array) -> None:
     if state[EVIDENCE] == 0.0:
         state[SINCE] = now
     if state[WALKS] == 0.0 and state[EVIDENCE] > rules[OPEN]:
-        state[WALKS] = 1.0
-        _credit(now, state)
+        _credit(now, soonest, state)
     elif state[WALKS] > 0.0 and state[EVIDENCE] < rules[CLOSE]:
         state[WALKS] = state[HELD_COUNT] = 0.0
 
@@ -342,33 +345,37 @@ def _is_maximum(lag: int, state: Array) -> bool:
     return bool(state[at] >= state[at - 1] and state[at] >= state[at + 1])
 
 
-def _credit(now: int, state: Array) -> None:
-    """Count the peaks since the evidence began."""
-    period, before = state[PERIOD], -1.0
-    near = max(NEAR, 1.0 - state[CORRELATION]) * period
+def _credit(now: int, soonest: float, state: Array) -> None:
+    """Open the gate and count the peaks since the evidence began, if they are enough."""
+    held, period, before = int(state[HELD_COUNT]), state[PERIOD], -1.0
     oldest = max(state[SINCE] - CREDIT, now - KEPT + 4.0 * LONGEST)
-    for i in range(int(state[HELD_COUNT])):
+    while held > 0 and state[HELD_AT + int(state[HELD])] < oldest:
+        state[HELD] = (state[HELD] + 1) % PEAKS
+        held -= 1
+    state[HELD_COUNT] = held
+    if held < FEWEST:
+        return
+    state[WALKS], state[HELD_COUNT] = 1.0, 0.0
+    near = max(NEAR, 1.0 - state[CORRELATION]) * period
+    for i in range(held):
         peak = state[HELD_AT + (int(state[HELD]) + i) % PEAKS]
-        if peak < oldest or (before >= 0.0 and peak - before < near):
-            continue
-        if before >= 0.0:
-            _queue_to(before, peak, period, state)
-        else:
+        if before < 0.0:
             _queue(peak, period, state)
+        elif peak - before < near:
+            continue
+        else:
+            _queue_to(before, peak, period, soonest, state)
         before = peak
-    state[HELD_COUNT] = 0.0
 
 
-def _queue_to(before: float, peak: float, period: float, state: Array) -> None:
-    """Count a peak, and what was not seen between it and the one before.
+def _queue_to(before: float, peak: float, period: float, soonest: float, state: Array) -> None:
+    """Count a peak, and a step that was not seen halfway between it and the one before.
 
-    That is a step, or two where a foot that lands more gently makes the cycle a stride.
+    There may have been two, but the first of them would come two steps late.
     """
-    parts = int((peak - before) / period + 2.0 - MISSED)
-    if parts < 1 or parts > (3 if period < state[CYCLE] else 2):
-        parts = 1
-    for i in range(1, parts):
-        _queue(before + (peak - before) * i / parts, period, state)
+    gap = peak - before
+    if MISSED * period <= gap < REST * period and gap >= 2.0 * soonest:
+        _queue(before + 0.5 * gap, period, state)
     _queue(peak, period, state)
 
 
@@ -381,11 +388,11 @@ def _queue(peak: float, period: float, state: Array) -> None:
 
 
 def _publish(now: int, latest: float, ends: bool, state: Array) -> int:
-    """Write the steps out after which there are samples enough."""
+    """Write the steps out that have another one after them, or samples enough."""
     count, out = int(state[QUEUED]), 0
     for i in range(count):
         peak, period = state[QUEUE_AT + 2 * i], state[QUEUE_AT + 2 * i + 1]
-        if not ends and peak + period > now:
+        if not ends and i + 1 == count and peak + period > now:
             break
         state[FOUND_AT + 2 * out] = peak - _phase(peak, period, now, state) + LANDING
         state[FOUND_AT + 2 * out + 1] = period

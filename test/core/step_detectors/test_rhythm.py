@@ -57,6 +57,13 @@ def test_count_is_exact(steps, cadence):
     assert len(run(detector(), magnitudes + noise(len(magnitudes)))) == steps
 
 
+@pytest.mark.parametrize('cadence', [0.8, 1.0, 1.2])
+@pytest.mark.parametrize('amplitude', [0.5, 2.5, 3.5])
+def test_slow_step_is_not_two_however_hard(cadence, amplitude):
+    steps = run(detector(), walk(60, cadence, amplitude))
+    assert len(steps) == pytest.approx(60, abs=1)
+
+
 @pytest.mark.parametrize('pause', [4.0, 6.0, 15.0, 120.0])
 def test_two_walks_with_a_pause_are_counted_from_their_first_steps_on(pause):
     magnitudes = np.concatenate([walk(12, after=pause), walk(15, 2.0, before=0.0)])
@@ -124,12 +131,16 @@ def test_jolt_is_no_walk(height):
 
 
 @pytest.mark.parametrize('interval', [0.4, 0.6, 0.9])
-def test_two_knocks_are_no_walk(interval):
+@pytest.mark.parametrize(('knocks', 'height'), [(2, 8.0), (3, 5.0), (3, 20.0), (4, 5.0)])
+def test_a_few_knocks_are_no_walk(interval, knocks, height):
+    """At the same intervals: who knocks at a door repeats himself, too."""
     magnitudes = rest(20.0)
-    for knock in range(2):
+    for knock in range(knocks):
         at = round((8.0 + knock * interval) * RATE)
-        magnitudes[at : at + 3] += 8.0
-    assert run(detector(), magnitudes) == []
+        magnitudes[at : at + 3] += height
+    found = detector()
+    assert run(found, magnitudes) == []
+    assert found.finish() == []
 
 
 def test_walk_ends_after_the_longest_step():
@@ -165,6 +176,12 @@ def test_samples_between_stamps_pass_the_end_of_what_is_kept():
     for step in steps[2:-2]:
         assert len(step.samples) == pytest.approx(RATE / 2.0, abs=1)
         assert np.ptp(step.samples) > 3.0
+
+
+def test_no_step_is_filled_in_sooner_than_the_shortest():
+    steps = run(detector(shortest=0.6), walk(40, 1.8))
+    assert len(steps) == pytest.approx(20, abs=2)
+    assert min(step.duration for step in steps) > 0.55
 
 
 # The end --------------------------------------------------------------------------------------
