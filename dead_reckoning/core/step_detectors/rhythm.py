@@ -93,7 +93,7 @@ class RhythmSettings(Settings, prefix='pedometer.rhythm'):
         mutable=True,
     )
     share: float = parameter(
-        0.35,
+        0.3,
         'The same, as a part of the median of the last five peaks',
         minimum=0.0,
         maximum=1.0,
