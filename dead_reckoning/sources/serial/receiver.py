@@ -44,7 +44,7 @@ class Receiver:
         for event in self._decoder.feed(data):
             if isinstance(event, Reading):
                 good.append(event)
-            else:
+            elif isinstance(event, ReadingError):
                 errors.append(event)
         counts = self._model.counts_of(
             np.array([reading.values for reading in good]).reshape(-1, 3), self._decoder.unit

@@ -18,7 +18,7 @@ from dead_reckoning.core.errors import (
 )
 from dead_reckoning.core.parameters import Settings, parameter
 from dead_reckoning.core.samples import Vector
-from dead_reckoning.sources.serial.protocols import Event, Reading
+from dead_reckoning.sources.serial.protocols import Decoder, Event, Measurement, Reading
 
 LONGEST = 256
 """Bytes of the longest line that is read."""
@@ -66,7 +66,7 @@ _NUMBER = re.compile(
 )
 
 
-class AsciiDecoder:
+class AsciiDecoder(Decoder):
     """Read x, y, z from lines that end in CR, LF or both; a number may have a label, as ``X: 1``.
 
     A line is a reading only if all of it is in order: as many columns as ``columns`` says, a
@@ -165,4 +165,23 @@ class AsciiDecoder:
 
 _CUT = CutError('a line without its beginning or its end, where the port was opened or lost')
 
-PROTOCOL = AsciiDecoder
+
+class AsciiBoard:
+    """Send each measurement as a line."""
+
+    def __init__(self, settings: AsciiSettings) -> None:
+        self._settings = settings
+
+    def hear(self, data: bytes) -> bytes:
+        """Take no notice."""
+        return b''
+
+    def measure(self, measurement: Measurement) -> bytes:
+        """Return a line; columns that are not used hold 0."""
+        settings = self._settings
+        values = dict(zip('xyz', measurement.values[settings.unit], strict=True))
+        fields = [f'{values.get(column, 0.0):.9g}' for column in settings.columns]
+        return (settings.separator.join(fields) + '\r\n').encode()
+
+
+PROTOCOL, BOARD = AsciiDecoder, AsciiBoard
