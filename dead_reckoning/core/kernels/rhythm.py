@@ -38,7 +38,7 @@ HALF = 0.5
 """A cycle is a stride if half of it has so much of its autocorrelation,"""
 
 HEAVY, HEAVY_HALF = 1.4, -0.6
-"""or, where the magnitude deviates by more than this [m/s²], so much: few step that slowly so hard,
+"""or, where the magnitude deviates by more than this [m/s²], so much: few step so slowly so hard,
 but those who do show the half of their step upside down."""
 
 NEAR = 0.35
