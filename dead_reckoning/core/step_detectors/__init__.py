@@ -50,7 +50,8 @@ class StepDetector(Protocol):
     RATE: ClassVar[int]
     """Samples per second it wants [Hz]."""
     KERNELS: ClassVar[tuple[tuple[Callable[..., Any], tuple[Any, ...]], ...]]
-    """The kernels that it calls, each with arguments for which it can be compiled."""
+    """The kernels that it calls, each with arguments for which it can be compiled; where there are
+    any, the resampler before it calls one too."""
 
     walking: bool
     """Whether a walk goes on."""
