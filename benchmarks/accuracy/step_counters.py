@@ -160,8 +160,7 @@ def _cells(walk: Walk, rate: int) -> tuple[Stamps, Array]:
     resampler = Resampler(rate)
     rows = zip(stamps_ns.tolist(), walk.force_s[unique].tolist(), strict=True)
     cells = [cell for stamp_ns, force in rows for cell in resampler.add(stamp_ns, force)]
-    norms: Array = np.linalg.norm([force for _, force in cells], axis=1)
-    return np.array([stamp_ns for stamp_ns, _ in cells], np.int64), norms
+    return np.array([stamp_ns for stamp_ns, _ in cells], np.int64), np.array([f for _, f in cells])
 
 
 PEDOMETER = 'pedometer'

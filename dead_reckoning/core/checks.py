@@ -72,7 +72,8 @@ def require_acceleration(acceleration: LinearAcceleration) -> None:
 
 def require_force(imu: ImuSample) -> None:
     """Raise `SampleError` where the specific force is not measured, or can't be."""
-    require_vector(imu.specific_force, 'specific force')
+    if not is_measurable(imu.specific_force):  # one call fewer than `require_vector` as a rule
+        require_vector(imu.specific_force, 'specific force')
     if imu.specific_force_covariance[0] < 0.0:
         raise MissingAccelerationError(
             'linear_acceleration_covariance[0] is -1, so this Imu measures no acceleration: '

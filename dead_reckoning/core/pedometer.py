@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
+from typing import Any
 
-from dead_reckoning.core import step_detectors, step_lengths
+from dead_reckoning.core import kernels, step_detectors, step_lengths
 from dead_reckoning.core.checks import require_force
 from dead_reckoning.core.errors import SettingsError, StepCalibrationError
 from dead_reckoning.core.parameters import Derived, Settings, parameter
@@ -248,8 +248,8 @@ class Pedometer:
         detector = step_detectors.detector_class(settings.method)
         self._detector: StepDetector = detector(method_settings, self._window)
         self._order: StampOrder[Vector] = StampOrder(settings.reorder_time)
-        self._resampler = Resampler(detector.RATE)
-        self._use = tuple(float(axis in settings.axes) for axis in AXES)
+        use_x, use_y, use_z = (float(axis in settings.axes) for axis in AXES)
+        self._resampler = Resampler(detector.RATE, (use_x, use_y, use_z), bool(detector.KERNELS))
         self._last_ns: int | None = None
         self._calibration: tuple[int, float] | None = None
         self.reset()
@@ -363,12 +363,12 @@ class Pedometer:
         method; `reorder_time` comes to it.  Raises `SampleError` (not finite, no acceleration,
         stale stamp), and then nothing changed.
         """
-        force = imu.specific_force
         require_force(imu)
-        restarts = self._order.restarts
-        ordered = self._order.add(imu.stamp_ns, force)
+        order = self._order
+        restarts = order.restarts
+        ordered = order.add(imu.stamp_ns, imu.specific_force)
         states: list[PedometerState] = []
-        if self._order.restarts != restarts:
+        if order.restarts != restarts:
             self._break_off(imu.stamp_ns, states)
         if self.running:
             for stamp_ns, vector in ordered:
@@ -381,10 +381,8 @@ class Pedometer:
             self.gaps += 1
             self._break_off(last_ns, states)
             self._last_ns = stamp_ns
-        use_x, use_y, use_z = self._use
-        for cell_ns, (x, y, z) in self._resampler.add(stamp_ns, force):
-            magnitude = sqrt(use_x * x * x + use_y * y * y + use_z * z * z)
-            states.extend(self.advance(cell_ns, magnitude))
+        for cell_ns, magnitude in self._resampler.add(stamp_ns, force):
+            states += self.advance(cell_ns, magnitude)
 
     def advance(self, stamp_ns: int, magnitude: float) -> list[PedometerState]:
         """Take the next magnitude [m/s²], at the rate of the method; return what it proves."""
@@ -430,3 +428,20 @@ class Pedometer:
         return PedometerState(
             step.stamp_ns, self.steps, self.distance, length, self.cadence, step.duration
         )
+
+
+def kept(method: str) -> bool:
+    """Load the kernels of a method that an earlier run has kept; say whether those are all."""
+    return all(kernels.load(kernel, *given) for kernel, given in _kernels(method))
+
+
+def load_kernels(method: str) -> None:
+    """Load the kernels of a method, or compile them, so that samples need not wait for it."""
+    for kernel, given in _kernels(method):
+        kernel(*given)
+
+
+def _kernels(method: str) -> tuple[Any, ...]:
+    """Return those of a detector, and of the resampler before it; nothing where it has none."""
+    found = step_detectors.detector_class(method).KERNELS
+    return (*Resampler.KERNELS, *found) if found else ()

@@ -49,7 +49,7 @@ class LiveSteps:
         order, resampler, history = counting._order, counting._resampler, walking._orientation
         longest = min(counting.settings.max_gap, LONGEST_STEP)
         clock[layout.LONGEST] = longest_ns = min(clock[layout.LONGEST], int(longest * NANOSECONDS))
-        stamps = [resampler._last_ns, *order._stamps]
+        stamps = [resampler.last_ns, *order._stamps]
         too_long = any(after - before > longest_ns for before, after in pairwise(stamps))
         if too_long or history.newest_ns > clock[layout.LAST]:
             return None
@@ -64,7 +64,7 @@ class LiveSteps:
             np.zeros((2 * order._limit + 2, 3)),
         )
         line[:waiting], forces[:waiting] = order._stamps, np.reshape(order._samples, (waiting, 3))
-        cells = pedometer.cells_of(counting, 4 + int(2.0 * LONGEST_STEP * resampler._rate))
+        cells = pedometer.cells_of(counting, 4 + int(2.0 * LONGEST_STEP * resampler.rate))
         headings = HeadingColumns(np.zeros(1, np.int64), *np.zeros((3, 1)))
         parts = (*cells, line, forces, *headings, np.array([history._variance]))
         return layout.numbered(layout.CELLS, parts)

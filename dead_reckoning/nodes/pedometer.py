@@ -8,7 +8,7 @@ from dead_reckoning.configuration import PEDOMETER
 from dead_reckoning.core import step_detectors
 from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.errors import SettingsError
-from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
+from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, kept, load_kernels
 from dead_reckoning.core.stages import (
     COMPASS,
     PEDOMETER_OUTPUTS,
@@ -48,7 +48,7 @@ def prepare(node: ChainNode) -> None:
     """Load what finds the steps; raises `StoppedError` for a signal meanwhile."""
     method = node.configuration[PedometerSettings].method
     if step_detectors.detector_class(method).KERNELS:
-        compiling.prepare(node, step_detectors.kept, step_detectors.load_kernels, method)
+        compiling.prepare(node, kept, load_kernels, method)
 
 
 def resume(node: ChainNode, pedometer: Pedometer, says: StepOutputs) -> None:

@@ -18,6 +18,7 @@ from dead_reckoning.core.errors import NotLevelledError
 from dead_reckoning.core.kernels import SLOW, accelerated
 from dead_reckoning.core.navigation.settings import NavigatorSettings
 from dead_reckoning.core.navigator import InertialNavigator
+from dead_reckoning.core.pedometer import load_kernels
 from dead_reckoning.core.pipeline import Pipeline
 from dead_reckoning.core.samples import NANOSECONDS
 from dead_reckoning.core.smoother import Smoother
@@ -59,7 +60,7 @@ def warm_up() -> None:
     for kind in KINDS:
         kind.compile()
     for method in step_detectors.names():
-        step_detectors.load_kernels(method)
+        load_kernels(method)
     for detector in stationarity.names():
         navigate(NavigatorSettings(detector=(detector,)), block)
 

@@ -82,25 +82,16 @@ def pedometer_run(
 
 def regular_since(pedometer: Pedometer) -> int | None:
     """Return the newest stamp [ns] if it counts, and has begun to."""
-    begun = pedometer.running and pedometer._resampler._last_ns is not None
+    begun = pedometer.running and pedometer._resampler.begun
     return pedometer._order._newest_ns if begun else None
 
 
 def cells_of(pedometer: Pedometer, room: int) -> Cells:
     """Return the state of the resampler of a pedometer, and room for cells."""
     resampler = pedometer._resampler
-    grid = (
-        resampler._rate,
-        resampler._start_ns,
-        resampler._cell,
-        resampler._end_ns,
-        resampler._last_ns,
-    )
     return Cells(
-        np.array(grid, np.int64),
-        np.array(resampler._last),
-        np.array(resampler._area),
-        np.array(pedometer._use),
+        np.array(resampler.grid, np.int64),
+        np.array(resampler.lines),
         np.empty(room, np.int64),
         np.empty(room),
         np.empty(room, np.int64),
@@ -110,11 +101,8 @@ def cells_of(pedometer: Pedometer, room: int) -> Cells:
 def leave_cells(pedometer: Pedometer, cells: Cells) -> None:
     """Carry the state back."""
     resampler = pedometer._resampler
-    _, _, resampler._cell, resampler._end_ns, resampler._last_ns = cells.grid.tolist()
-    pedometer._last_ns = pedometer._order._handed_ns = resampler._last_ns
-    x, y, z = cells.last.tolist()
-    ax, ay, az = cells.area.tolist()
-    resampler._last, resampler._area = (x, y, z), (ax, ay, az)
+    resampler.grid[:], resampler.lines[:] = cells.grid.tolist(), cells.lines.tolist()
+    pedometer._last_ns = pedometer._order._handed_ns = resampler.last_ns
 
 
 class _Headings:

@@ -128,11 +128,9 @@ def cells_of(memory: Array) -> Cells:
     return Cells(
         ticks(memory, CELLS),
         part(memory, CELLS + 1),
-        part(memory, CELLS + 2),
+        ticks(memory, CELLS + 2),
         part(memory, CELLS + 3),
         ticks(memory, CELLS + 4),
-        part(memory, CELLS + 5),
-        ticks(memory, CELLS + 6),
     )
 
 

@@ -139,12 +139,14 @@ def new_state() -> Array:
 
 
 @compiled
-def take(magnitude: float, soonest: float, latest: float, rules: Array, state: Array) -> int:
+def take(magnitude: float, soonest: float, latest: float, memory: Array) -> int:
     """Take a sample [m/s²]; return twice the number of steps that it proves, and 1 for a walk.
 
-    ``soonest`` and ``latest`` [s] are the least and greatest times between steps.  The steps
-    are in the rows of ``state[FOUND_AT:]``, of two: when, and the time of a step then.
+    ``soonest`` and ``latest`` [s] are the least and greatest times between steps; ``memory`` is
+    `RULES` rules, then the state: each array that is given costs a tenth of a microsecond.  The
+    steps are in the rows of ``state[FOUND_AT:]``, of two: when, and the time of a step then.
     """
+    rules, state = memory[:RULES], memory[RULES:]
     now = int(state[COUNT])
     if now == 0:
         state[FIRST] = magnitude

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, ClassVar, Protocol
 
-from dead_reckoning.core import kernels
 from dead_reckoning.core.parameters import Settings
 from dead_reckoning.core.step_window import StepWindow
 
@@ -51,7 +50,8 @@ class StepDetector(Protocol):
     RATE: ClassVar[int]
     """Samples per second it wants [Hz]."""
     KERNELS: ClassVar[tuple[tuple[Callable[..., Any], tuple[Any, ...]], ...]]
-    """The kernels that it calls, each with arguments for which it can be compiled."""
+    """The kernels that it calls, each with arguments for which it can be compiled; where there are
+    any, the resampler before it calls one too."""
 
     walking: bool
     """Whether a walk goes on."""
@@ -80,14 +80,3 @@ def names() -> tuple[str, ...]:
 def detector_class(name: str) -> Any:
     """Return the class of a method by its name."""
     return import_module(f'{__name__}.{name}').DETECTOR
-
-
-def kept(name: str) -> bool:
-    """Load the kernels of a method that an earlier run has kept; say whether those are all."""
-    return all(kernels.load(kernel, *given) for kernel, given in detector_class(name).KERNELS)
-
-
-def load_kernels(name: str) -> None:
-    """Load the kernels of a method, or compile them, so that samples need not wait for it."""
-    for kernel, given in detector_class(name).KERNELS:
-        kernel(*given)

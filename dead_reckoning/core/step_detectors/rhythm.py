@@ -115,12 +115,14 @@ class RhythmDetector:
     Settings: ClassVar[type[Settings]] = RhythmSettings
     RATE: ClassVar[int] = rhythm.RATE
     KERNELS: ClassVar[Any] = (
-        (rhythm.take, (0.0, 0.0, 0.0, np.ones(rhythm.RULES), rhythm.new_state())),
+        (rhythm.take, (0.0, 0.0, 0.0, np.r_[np.ones(rhythm.RULES), rhythm.new_state()])),
         (rhythm.finish, (rhythm.new_state(),)),
     )
 
     def __init__(self, settings: RhythmSettings, window: StepWindow) -> None:
         self._window = window
+        self._memory = np.empty(rhythm.RULES + rhythm.LENGTH)
+        self._rules, self._state = np.split(self._memory, [rhythm.RULES])
         self.configure(settings)
         self.reset()
 
@@ -132,11 +134,11 @@ class RhythmDetector:
             settings.strong, settings.gain, settings.open, settings.close, settings.likeness,
             settings.rise, settings.share,
         )  # fmt: skip
-        self._rules = np.concatenate((rules, rhythm.coefficients()))
+        self._rules[:] = *rules, *rhythm.coefficients()
 
     def reset(self) -> None:
         """Forget the walk and all samples."""
-        self._state = rhythm.new_state()
+        self._state[:] = rhythm.new_state()
         self._newest_ns = 0
         self._before: float | None = None  # moment of the step before [samples]
         self.walking = False
@@ -145,7 +147,7 @@ class RhythmDetector:
         """Take the next magnitude [m/s²]; return the steps it proves, in order of time."""
         self._newest_ns = stamp_ns
         window = self._window
-        said = rhythm.take(magnitude, window.shortest, window.longest, self._rules, self._state)
+        said = rhythm.take(magnitude, window.shortest, window.longest, self._memory)
         self.walking = said & 1 > 0
         return self._steps(said >> 1) if said > 1 else []
 
@@ -157,7 +159,7 @@ class RhythmDetector:
 
     def _steps(self, count: int) -> list[Step]:
         """Return the steps that were found."""
-        newest = self._state[rhythm.COUNT] - 1.0
+        newest = float(self._state[rhythm.COUNT]) - 1.0
         found = self._state[rhythm.FOUND_AT : rhythm.FOUND_AT + 2 * count].tolist()
         steps = []
         for at, period in zip(found[::2], found[1::2], strict=True):

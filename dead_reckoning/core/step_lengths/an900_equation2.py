@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
 from math import sqrt
 from typing import ClassVar
 
@@ -39,11 +40,8 @@ class BounceOfStep:
         low, high = min(samples), max(samples)
         if not mean > low:
             return 0.0
-        velocity = least = most = displacement = 0.0
-        for sample in samples:
-            velocity += sample - mean
-            displacement += velocity
-            least, most = min(least, velocity), max(most, velocity)
+        velocities = list(accumulate([sample - mean for sample in samples], initial=0.0))
+        least, most, displacement = min(velocities), max(velocities), sum(velocities)
         # Started after the sample with velocity v, the sum of all n velocities has n·v less.
         count = len(samples)
         displacement = max(displacement - count * least, count * most - displacement)

@@ -233,15 +233,16 @@ def test_an_hour_of_walking_takes_no_more_memory_than_a_second():
 def test_compiled_code_does_what_the_function_does():
     magnitudes = walk(8) + noise(len(walk(8)))
     found = detector()
-    rules, states = found._rules, [rhythm.new_state(), rhythm.new_state()]
+    memories = [found._memory, found._memory.copy()]
+    states = [memory[rhythm.RULES :] for memory in memories]
     kernels = (
         (rhythm.take, rhythm.finish),
         (rhythm.take.__wrapped__, rhythm.finish.__wrapped__),
     )
     said = [
-        [take(float(magnitude), 0.25, 2.0, rules, state) for magnitude in magnitudes[:350]]
-        + [finish(state)]
-        for (take, finish), state in zip(kernels, states, strict=True)
+        [take(float(magnitude), 0.25, 2.0, memory) for magnitude in magnitudes[:350]]
+        + [finish(memory[rhythm.RULES :])]
+        for (take, finish), memory in zip(kernels, memories, strict=True)
     ]
     assert said[0] == said[1]
     assert any(said[0])
