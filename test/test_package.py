@@ -171,7 +171,7 @@ def test_an_installation_holds_every_module_executable_config_and_launch_file(
     share = prefix / 'share' / PACKAGE
     assert (prefix / 'share/ament_index/resource_index/packages' / PACKAGE).is_file()
     assert (share / 'package.xml').is_file()
-    for folder, pattern in (('config', '*.yaml'), ('launch', '*.launch.py')):
+    for folder, pattern in (('config', '*.*'), ('launch', '*.launch.py')):
         names = {path.name for path in (ROOT / folder).glob(pattern)}
         assert names
         assert names == {path.name for path in (share / folder).glob('*.*')}
