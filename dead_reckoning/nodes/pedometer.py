@@ -19,8 +19,8 @@ from dead_reckoning.core.stages import (
 )
 from dead_reckoning.core.step_odometry import StepOdometry
 from dead_reckoning.nodes import compiling
-from dead_reckoning.nodes.chain_node import ChainNode
-from dead_reckoning.nodes.totals_file import TotalsFile
+from dead_reckoning.nodes.chain_node import STEADY, ChainNode
+from dead_reckoning.nodes.totals_file import LONGEST_WAIT, TotalsFile
 from dead_reckoning.nodes.transforms import mountings
 
 
@@ -64,6 +64,7 @@ def resume(node: ChainNode, pedometer: Pedometer, says: StepOutputs) -> None:
         node.diagnostics.fault(file.damage)
     pedometer.resume(file.totals)
     says.keep = file.keep
+    node.create_timer(LONGEST_WAIT, lambda: node.put_out(says.due()), clock=STEADY)
     node.watch(lambda: [] if (error := file.error) is None else [(str(file.path), error)])
     node.push(TOTALS, None)
 

@@ -117,7 +117,12 @@ def test_types_are_those_of_the_messages():
 def test_what_is_said_was_kept_before():
     walker, kept = Walker(), []
     says = StepOutputs(walker.pedometer, walker.odometry)
-    says.keep = lambda totals: kept.append((totals, len(walker.outputs)))
+
+    def keep(totals):
+        kept.append((totals, len(walker.outputs)))
+        return lambda: True
+
+    says.keep = keep
     walker.chain = Chain([pedometer_stage(walker.pedometer, walker.odometry, says=says)])
     walker.walk(walk())
     assert [totals.steps for totals, _ in kept][-1] == 12
@@ -130,6 +135,21 @@ def test_what_is_said_was_kept_before():
     walker.pedometer.reset()
     walker.chain.push(TOTALS, None)
     assert kept[-1][0] == Totals()
+
+
+def test_what_is_kept_late_is_said_late_and_in_order():
+    expected = [each for each in Walker().walk(walk()).outputs if each[0] != STEP]
+    walker, written = Walker(), -1
+    says = StepOutputs(walker.pedometer, walker.odometry)
+    says.keep = lambda totals: lambda: totals.steps <= written
+    walker.chain = Chain([pedometer_stage(walker.pedometer, walker.odometry, says=says)])
+    walker.walk(walk())
+    assert not [name for name, _ in walker.outputs if name in (STEPS, DISTANCE)]
+    for written in (-1, 4, 12):
+        walker.outputs += says.due()
+        assert walker.values(STEPS)[-1:] == ([written] if written >= 0 else [])
+    assert [each for each in walker.outputs if each[0] != STEP] == expected
+    assert says.due() == []
 
 
 def test_walk_goes_on_from_totals_as_from_its_own():
