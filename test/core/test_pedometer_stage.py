@@ -179,6 +179,23 @@ def test_steps_lead_along_the_orientation():
     assert [s.stamp_ns for s in states] == sorted({s.stamp_ns for s in states})
 
 
+def test_steps_that_were_held_back_for_long_are_walked_too():
+    """A rhythm that is hardly seen, so that the first steps come together half a minute late."""
+    random, time = np.random.default_rng(1), 0.01 * np.arange(6000)
+    shaken = 3.0 * np.convolve(random.normal(size=6024), np.full(25, 0.2), 'valid')
+    forces = GRAVITY + (time > 3.0) * (shaken - 2.0 * np.sin(2.0 * np.pi * 1.8 * time))
+    walker, late = Walker(heading='orientation'), []
+    for k, force in enumerate(forces.tolist()):
+        stamp_ns = START_NS + 10_000_000 * k
+        walker.walk(
+            [ImuSample(stamp_ns, 'i', (0.0, 0.0, force), orientation=(0.0, 0.0, 0.0, 1.0))]
+        )
+        late += [stamp_ns - step.stamp_ns for step in walker.values(STEP)[len(late) :]]
+    assert max(late) > 12e9
+    assert len(walker.values(STEP_ODOMETRY)) == len(late)
+    assert walker.values(STEP_ODOMETRY)[-1].position[0] == pytest.approx(walker.pedometer.distance)
+
+
 def test_steps_lead_along_the_compass():
     walker = Walker()
     for number, imu in enumerate(walk()):
