@@ -280,12 +280,13 @@ class Pedometer:
         self.reset()
         self.running = True
 
-    def stop(self) -> None:
-        """Count no more and hold the totals."""
-        self.flush()
+    def stop(self) -> list[PedometerState]:
+        """Count no more and hold the totals; return what was left, as `flush`."""
+        states = self.flush()
         self.running = False
         self._calibration = None
         self._order.reset()
+        return states
 
     def flush(self) -> list[PedometerState]:
         """Return what is left, as at the end: steps that wait for later samples, and the end."""

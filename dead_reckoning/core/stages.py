@@ -41,8 +41,8 @@ STEP_LENGTH = 'pedometer/step_length'
 CADENCE = 'pedometer/cadence'
 STEP_ODOMETRY = 'pedometer/odom'
 TOTALS = 'pedometer/totals'
-"""No topic: put anything into a chain under this name after totals changed by other than samples,
-and what is new of them comes out."""
+"""No topic: put the states that came by other than samples, or none, into a chain under this name,
+and what is new of the totals comes out."""
 
 LEVELLED = 'levelled'
 """No topic: what gravity removal made of a sample, acceleration and attitude together."""
@@ -288,7 +288,7 @@ def pedometer_stage(
     taken: Stage = {
         pedometer.settings.input: count,
         COMPASS: turn,
-        TOTALS: lambda _: steps.changes(),
+        TOTALS: lambda states: [*steps.of(states), *steps.changes()],
         END: lambda _: steps.of(pedometer.flush()),
     }
     return {**taken, ODOMETRY: follow} if pedometer.settings.heading == 'navigator' else taken

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rclpy.parameter import Parameter as RosParameter
 
 from dead_reckoning.configuration import PEDOMETER
 from dead_reckoning.core import step_detectors
 from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.errors import SettingsError
-from dead_reckoning.core.pedometer import Pedometer, PedometerSettings
+from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, PedometerState
 from dead_reckoning.core.stages import (
     COMPASS,
     PEDOMETER_OUTPUTS,
@@ -66,7 +68,7 @@ def resume(node: ChainNode, pedometer: Pedometer, says: StepOutputs) -> None:
     says.keep = file.keep
     node.create_timer(LONGEST_WAIT, lambda: node.put_out(says.due()), clock=STEADY)
     node.watch(lambda: [] if (error := file.error) is None else [(str(file.path), error)])
-    node.push(TOTALS, None)
+    node.push(TOTALS, ())
 
 
 def serve(
@@ -77,8 +79,8 @@ def serve(
     ``calibrate`` names the service that calibrates the step length.
     """
 
-    def say(text: str) -> str:
-        node.push(TOTALS, None)
+    def say(text: str, states: Sequence[PedometerState] = ()) -> str:
+        node.push(TOTALS, states)
         return text
 
     def start() -> str:
@@ -87,8 +89,7 @@ def serve(
         return say('counting from zero')
 
     def stop() -> str:
-        pedometer.stop()
-        return say('stopped: the totals are held')
+        return say('stopped: the totals are held', pedometer.stop())
 
     def reset() -> str:
         pedometer.reset()

@@ -133,7 +133,7 @@ def test_what_is_said_was_kept_before():
             assert any(t.steps >= value for t, outputs in kept if outputs <= number)
     assert said == 12
     walker.pedometer.reset()
-    walker.chain.push(TOTALS, None)
+    walker.chain.push(TOTALS, ())
     assert kept[-1][0] == Totals()
 
 
@@ -157,7 +157,7 @@ def test_walk_goes_on_from_totals_as_from_its_own():
     begun = Walker(averaging=4.0).walk(walk(6))
     resumed = Walker(averaging=4.0)
     resumed.pedometer.resume(begun.pedometer.totals)
-    assert dict(resumed.chain.push(TOTALS, None)) == {
+    assert dict(resumed.chain.push(TOTALS, ())) == {
         STEPS: 6,
         DISTANCE: begun.pedometer.distance,
         STEP_LENGTH: begun.pedometer.step_length,
@@ -248,11 +248,21 @@ def test_gap_and_restart_are_said_once():
     assert 'no step is counted over' in str(walker.values(FAULT)[0])
 
 
+def test_steps_that_a_stop_brings_are_walked_too():
+    walker = Walker(heading='orientation')
+    walker.walk(walk(orientation=(0.0, 0.0, 0.0, 1.0))[: 3 * RATE + round(9.3 * RATE / 1.8)])
+    counted = len(walker.values(STEP_ODOMETRY))
+    walker.outputs += walker.chain.push(TOTALS, walker.pedometer.stop())
+    assert counted < len(walker.values(STEP_ODOMETRY)) == walker.values(STEPS)[-1]
+    assert walker.values(STEP_ODOMETRY)[-1].position[0] == pytest.approx(walker.pedometer.distance)
+    assert walker.values(CADENCE)[-1] == 0.0
+
+
 def test_changes_by_service_come_out_when_asked_for():
     walker = Walker().walk(walk())
-    assert walker.chain.push(TOTALS, None) == []
+    assert walker.chain.push(TOTALS, ()) == []
     walker.pedometer.reset()
-    assert walker.chain.push(TOTALS, None) == [(STEPS, 0), (DISTANCE, 0.0), (STEP_LENGTH, 0.0)]
+    assert walker.chain.push(TOTALS, ()) == [(STEPS, 0), (DISTANCE, 0.0), (STEP_LENGTH, 0.0)]
 
 
 # In a pipeline --------------------------------------------------------------------------------

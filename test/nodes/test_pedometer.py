@@ -214,6 +214,16 @@ def test_start_stop_and_reset(ros, executor):
     assert walker.values(DISTANCE)[-1] == 0.0
 
 
+def test_steps_that_a_stop_brings_are_walked_too(ros):
+    walker = Walker(ros, topic='imu/data')
+    messages = walk(12, orientation=LEVEL)
+    walker.send(messages[: RATE * 7])  # in a step, of which there are 7
+    ros.until(lambda: walker.values(STEPS)[-1:] > [4], 'some steps')
+    assert ros.trigger('pedometer/stop').success
+    point = walker.recordings[ODOM].wait(walker.values(STEPS)[-1])[-1].pose.pose.position
+    assert math.hypot(point.x, point.y) == pytest.approx(walker.values(DISTANCE)[-1])
+
+
 def test_calibration_sets_k(ros, executor):
     walker = Walker(ros, executor, pedometer__calibration_distance=9.0)
     answer = walker.calibrate(False)
