@@ -1,8 +1,8 @@
 """Start the driver of the accelerometer and the nodes that make a position and steps of it.
 
 Where the configuration estimates by the inertial navigator, or counts steps on a topic and nothing
-else, those of ``pipeline.estimators`` start instead, and the driver only where the argument or the
-configuration names its source.
+else, those of ``pipeline.estimators`` start instead, and the driver only where an argument or the
+configuration names its source, or an argument its motion; then steps are counted on what it gives.
 """
 
 from pathlib import Path
@@ -77,6 +77,9 @@ def _nodes(context: LaunchContext) -> list[Node]:
     if argument('use_sim_time'):
         given['use_sim_time'] = argument('use_sim_time') == 'true'
     config = _parameter_file(argument('config'))
+    executables = _executables(config, driven=any(name.startswith('driver.') for name in given))
+    if executables == [DRIVER, PEDOMETER]:
+        given['pedometer.input'] = 'imu/data_raw'  # no other node makes imu/data of it
     nodes = [
         Node(
             package=PACKAGE,
@@ -85,7 +88,7 @@ def _nodes(context: LaunchContext) -> list[Node]:
             parameters=[config, *([given] if given else [])],
             output='screen',
         )
-        for name in _executables(config, driven='driver.source' in given)
+        for name in executables
     ]
     if argument('rviz') == 'true':
         # Topics of the view are relative: it shows those of this namespace.

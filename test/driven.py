@@ -58,7 +58,7 @@ class Driven:
         self.chain.settle()
         made = call(self, *arguments)
         if made is TOTALS:
-            self.collect(self.chain.push(TOTALS, None))
+            self.collect(self.chain.push(TOTALS, ()))
 
     def collect(self, flow):
         for name, value in flow:

@@ -95,6 +95,9 @@ def test_a_preset_of_the_inertial_navigator_starts_it_instead(tmp_path):
 
 def test_a_preset_that_only_counts_steps_starts_the_pedometer_alone():
     assert [node.node_executable for node in nodes(config='pedestrian.yaml')] == ['pedometer']
+    for argument, value in (('source', 'simulated'), ('motion', 'walk')):
+        started = nodes(config='pedestrian.yaml', **{argument: value})
+        assert [node.node_executable for node in started] == ['accelerometer_driver', 'pedometer']
     assert [node.node_executable for node in nodes(config='an900.yaml')] == list(NODES)
 
 
@@ -177,9 +180,14 @@ def group_lives(group):
 
 
 def first_odometry(domain, topic, wanted):
+    from nav_msgs.msg import Odometry
+
+    return first(domain, Odometry, topic, wanted)
+
+
+def first(domain, kind, topic, wanted):
     """Return the first message on a topic that is as wanted."""
     import rclpy
-    from nav_msgs.msg import Odometry
     from rclpy.executors import SingleThreadedExecutor
     from rclpy.qos import qos_profile_sensor_data
 
@@ -188,7 +196,7 @@ def first_odometry(domain, topic, wanted):
     try:
         node = rclpy.create_node('listener', context=context)
         seen = []
-        node.create_subscription(Odometry, topic, seen.append, qos_profile_sensor_data)
+        node.create_subscription(kind, topic, seen.append, qos_profile_sensor_data)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)
         deadline = time.monotonic() + PATIENCE
@@ -205,6 +213,13 @@ def test_dead_reckoning_launch_publishes_odometry_in_its_namespace(launched, dom
     launched('dead_reckoning.launch.py', 'namespace:=robot1', 'motion:=rest')
     message = first_odometry(domain_id, '/robot1/odom', lambda message: True)
     assert (message.header.frame_id, message.child_frame_id) == ('odom', 'base_link')
+
+
+def test_pedestrian_launch_counts_the_steps_of_a_simulated_walk(launched, domain_id):
+    from std_msgs.msg import UInt32
+
+    launched('dead_reckoning.launch.py', 'config:=pedestrian.yaml', 'motion:=walk')
+    assert first(domain_id, UInt32, 'pedometer/steps', lambda message: message.data >= 10)
 
 
 def test_demo_launch_arrives_at_half_a_metre(launched, domain_id):

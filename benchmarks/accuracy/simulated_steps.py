@@ -26,6 +26,9 @@ RUNS = (2.5, 2.75, 3.0, 3.3)
 WALK_LENGTH, RUN_LENGTH = 0.7, 1.1
 """Lengths of a step [m]."""
 
+OTHERS = ((1.5, 0.5), (1.5, 0.9), (2.0, 0.5), (2.0, 0.9))
+"""Steps per second [Hz] and lengths [m] of gentle and hard walks."""
+
 STEPS = 60
 SEEDS = (1, 2)
 
@@ -34,6 +37,7 @@ def measure(output: Path) -> Report:
     """Count each walk and run so many times, with other noise and errors of the sensor."""
     report = Report('simulated-steps', f'{STEPS} steps, simulated, {len(SEEDS)} times each')
     gaits = [('walk', cadence, WALK_LENGTH) for cadence in WALKS]
+    gaits += [('walk', *other) for other in OTHERS]
     gaits += [('run', cadence, RUN_LENGTH) for cadence in RUNS]
     for sensor, values in SENSORS.items():
         rows = []
@@ -44,12 +48,12 @@ def measure(output: Path) -> Report:
                 samples = walked(values, seed, cadence=cadence, step_length=length, steps=STEPS)
                 stamps_ns = np.array([imu.stamp_ns for imu in samples])
                 force_s = np.array([imu.specific_force for imu in samples])
-                counted = count(Walk(f'{kind} {cadence}', STEPS, stamps_ns, force_s))
+                counted = count(Walk(f'{kind} {cadence} {length}', STEPS, stamps_ns, force_s))
                 for name, steps in counted.found.items():
                     found.setdefault(name, []).append(len(steps))
                     errors.setdefault(name, []).append(len(steps) - STEPS)
             numbers = (', '.join(map(str, counted)) for counted in found.values())
-            rows.append((f'{kind}, {cadence:g} Hz', *numbers))
+            rows.append((f'{kind}, {cadence:g} Hz, {length:g} m', *numbers))
         report.add_table(f'steps counted of {STEPS}: {sensor}', ('', *errors), rows)
         report.figures[sensor] = {name: spread(of_all) for name, of_all in errors.items()}
         worst = report.figures[sensor][PEDOMETER]['worst']

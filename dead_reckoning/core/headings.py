@@ -11,7 +11,12 @@ from dead_reckoning.core.samples import NANOSECONDS, UNKNOWN, ImuSample, Matrix,
 from dead_reckoning.core.stamps import RESTART_NS
 
 SPACING_NS = NANOSECONDS // 50
-KEPT = 500
+KEPT = 6200
+"""Headings of two minutes, for which a rhythm may hold steps back, and of the wait besides."""
+
+SPARE = 1000
+"""How many more there may be, as to forget them one by one would move all others each time."""
+
 LONG_AGO_NS = -(2**62)
 MINIMUM_LEVEL = 0.1
 """Sine of the angle to the vertical from which on the x axis points somewhere."""
@@ -34,7 +39,7 @@ class Heading:
 
 
 class HeadingHistory:
-    """Keep the headings of the last ten seconds, fifty a second at most.
+    """Keep the headings of the last two minutes, fifty a second at most.
 
     A heading that comes late finds its place; one that is older than the newest by 1 s or more
     starts a new history.
@@ -91,8 +96,8 @@ class HeadingHistory:
     def _insert(self, at: int, heading: Heading) -> None:
         self._stamps.insert(at, heading.stamp_ns)
         self._headings.insert(at, heading)
-        if len(self._stamps) > KEPT:
-            del self._stamps[0], self._headings[0]
+        if len(self._stamps) > KEPT + SPARE:
+            del self._stamps[:SPARE], self._headings[:SPARE]
 
     def at(self, stamp_ns: int, within_ns: int) -> Heading | None:
         """Return the heading nearest to a stamp, or None if none is within that time [ns]."""

@@ -252,6 +252,7 @@ class Pedometer:
         self._resampler = Resampler(detector.RATE, (use_x, use_y, use_z), bool(detector.KERNELS))
         self._last_ns: int | None = None
         self._calibration: tuple[int, float] | None = None
+        self._calibrated_ns = 0
         self.reset()
 
     def reset(self) -> None:
@@ -279,12 +280,13 @@ class Pedometer:
         self.reset()
         self.running = True
 
-    def stop(self) -> None:
-        """Count no more and hold the totals."""
-        self.flush()
+    def stop(self) -> list[PedometerState]:
+        """Count no more and hold the totals; return what was left, as `flush`."""
+        states = self.flush()
         self.running = False
         self._calibration = None
         self._order.reset()
+        return states
 
     def flush(self) -> list[PedometerState]:
         """Return what is left, as at the end: steps that wait for later samples, and the end."""
@@ -328,10 +330,15 @@ class Pedometer:
         self._detector.configure(settings)
 
     def begin_calibration(self) -> None:
-        """Take the steps from now on for the walk of the known distance."""
+        """Take the steps from now on for the walk of the known distance.
+
+        Of those that came before and are held back, that is the last one only: as late as it is,
+        one will be missing at the end.
+        """
         if not self.running:
             raise StepCalibrationError('the pedometer is stopped: call ~/start first')
         self._calibration = (0, 0.0)
+        self._calibrated_ns = self.newest_ns or 0
 
     def end_calibration(self) -> Calibration:
         """Return what makes the walk since the start of the calibration as long as it was.
@@ -402,6 +409,7 @@ class Pedometer:
         states.extend(self._count(step) for step in self._detector.finish())
         if walked:
             self._say_end(stamp_ns, states)
+        self._calibrated_ns = min(self._calibrated_ns, stamp_ns)  # a restart
         self._end_walk()
 
     def _say_end(self, stamp_ns: int, states: list[PedometerState]) -> None:
@@ -416,7 +424,8 @@ class Pedometer:
         if self.steps >= 2:  # the first two stand for themselves, as in the listing
             averaging = self.settings.averaging
             length = ((averaging - 1.0) * self.step_length + length) / averaging
-        if self._calibration is not None:
+        begun_ns = self._calibrated_ns - round(step.duration * NANOSECONDS)
+        if self._calibration is not None and step.stamp_ns > begun_ns:
             steps, total = self._calibration
             self._calibration = (steps + 1, total + size)
         self.steps += 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable
 
 from dead_reckoning.core.chain import END, FAULT, NOTICE, Output, Stage
@@ -40,8 +41,8 @@ STEP_LENGTH = 'pedometer/step_length'
 CADENCE = 'pedometer/cadence'
 STEP_ODOMETRY = 'pedometer/odom'
 TOTALS = 'pedometer/totals'
-"""No topic: put anything into a chain under this name after totals changed by other than samples,
-and what is new of them comes out."""
+"""No topic: put the states that came by other than samples, or none, into a chain under this name,
+and what is new of the totals comes out."""
 
 LEVELLED = 'levelled'
 """No topic: what gravity removal made of a sample, acceleration and attitude together."""
@@ -197,15 +198,16 @@ def pedometer_inputs(settings: PedometerSettings) -> tuple[str, ...]:
 class StepOutputs:
     """Give the totals of a pedometer as they change, and the way at each step.
 
-    What is said was kept before.
+    What is said was kept before; what can't be at once waits, in order, until it is.
     """
 
     def __init__(self, pedometer: Pedometer, odometry: StepOdometry) -> None:
         self._pedometer = pedometer
         self._odometry = odometry
         self._said: dict[str, float] = {}
-        self.keep: Callable[[Totals], None] = lambda _: None
-        """Keeps totals, before they are said, where they outlast the program."""
+        self._waiting: deque[tuple[Callable[[], bool], list[Output]]] = deque()
+        self.keep: Callable[[Totals], Callable[[], bool]] = lambda _: _at_once
+        """Keeps totals where they outlast the program; returns what says whether that is done."""
 
     def of(self, states: Iterable[PedometerState]) -> list[Output]:
         """Return what comes of states, at first the totals too."""
@@ -217,14 +219,23 @@ class StepOutputs:
             walked = self._odometry.update(state)
             if walked is not None:
                 outputs.append((STEP_ODOMETRY, walked))
-        if outputs:
-            self.keep(self._pedometer.totals)
-        return outputs if self._said else outputs + self.changes()
+        return self._kept(outputs) if self._said else self._kept(outputs) + self.changes()
 
     def changes(self) -> list[Output]:
         """Return the totals that are others than those that came out last."""
-        self.keep(self._pedometer.totals)
-        return self._changes(self._pedometer)
+        return self._kept(self._changes(self._pedometer))
+
+    def due(self) -> list[Output]:
+        """Return what had to wait and need not any more."""
+        outputs: list[Output] = []
+        while self._waiting and self._waiting[0][0]():
+            outputs += self._waiting.popleft()[1]
+        return outputs
+
+    def _kept(self, outputs: list[Output]) -> list[Output]:
+        if outputs:
+            self._waiting.append((self.keep(self._pedometer.totals), outputs))
+        return self.due()
 
     def _changes(self, totals: Pedometer | PedometerState) -> list[Output]:
         now: dict[str, float] = {
@@ -236,6 +247,10 @@ class StepOutputs:
         new: list[Output] = [(n, now[n]) for n in now if self._said.get(n) != now[n]]
         self._said.update(now)
         return new
+
+
+def _at_once() -> bool:
+    return True
 
 
 def pedometer_stage(
@@ -273,7 +288,7 @@ def pedometer_stage(
     taken: Stage = {
         pedometer.settings.input: count,
         COMPASS: turn,
-        TOTALS: lambda _: steps.changes(),
+        TOTALS: lambda states: [*steps.of(states), *steps.changes()],
         END: lambda _: steps.of(pedometer.flush()),
     }
     return {**taken, ODOMETRY: follow} if pedometer.settings.heading == 'navigator' else taken

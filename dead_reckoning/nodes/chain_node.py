@@ -176,13 +176,24 @@ class ChainNode(Node):
     def feed(self, name: str, sample: Any) -> None:
         """Take a sample of this node's own source: publish it, and run it through the chain."""
         self.diagnostics.samples += 1
-        self._put_out([(name, sample)])
+        self.put_out([(name, sample)])
         self.push(name, sample)
 
     def push(self, name: str, value: Any) -> None:
         """Put something into the chain and publish what comes out of it; nothing after the end."""
         if not self.finished.done():
-            self._put_out(self._chain.push(name, value))
+            self.put_out(self._chain.push(name, value))
+
+    def put_out(self, flow: Iterable[Output]) -> None:
+        """Publish what comes out of the chain, and say what went wrong."""
+        for name, value in flow:
+            write = self._writers.get(name)
+            if write is not None:
+                write(value)
+            elif name == FAULT:
+                self.diagnostics.fault(value)
+            elif name == NOTICE:
+                self.get_logger().info(value)
 
     def _receive(self, watched: Input, decode: Callable[[bytes], Any], data: bytes) -> None:
         watched.arrive()
@@ -190,7 +201,7 @@ class ChainNode(Node):
         if not (self._demanded or self.finished.done()):
             flow = self._chain.take(watched.name, data)
             if flow is not None:
-                self._put_out(flow)
+                self.put_out(flow)
                 return
         try:
             sample = decode(data)
@@ -211,16 +222,6 @@ class ChainNode(Node):
     def _write_on_demand(self, name: str, write: Callable[[Any], None], value: Any) -> None:
         if self._demand[name]:
             write(value)
-
-    def _put_out(self, flow: Iterable[Output]) -> None:
-        for name, value in flow:
-            write = self._writers.get(name)
-            if write is not None:
-                write(value)
-            elif name == FAULT:
-                self.diagnostics.fault(value)
-            elif name == NOTICE:
-                self.get_logger().info(value)
 
     def _count_usable(self) -> int:
         return self.diagnostics.samples - self.diagnostics.dropped

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rclpy.parameter import Parameter as RosParameter
 
 from dead_reckoning.configuration import PEDOMETER
 from dead_reckoning.core import step_detectors
 from dead_reckoning.core.chain import Chain
 from dead_reckoning.core.errors import SettingsError
-from dead_reckoning.core.pedometer import Pedometer, PedometerSettings, kept, load_kernels
+from dead_reckoning.core.pedometer import (
+    Pedometer,
+    PedometerSettings,
+    PedometerState,
+    kept,
+    load_kernels,
+)
 from dead_reckoning.core.stages import (
     COMPASS,
     PEDOMETER_OUTPUTS,
@@ -19,8 +27,8 @@ from dead_reckoning.core.stages import (
 )
 from dead_reckoning.core.step_odometry import StepOdometry
 from dead_reckoning.nodes import compiling
-from dead_reckoning.nodes.chain_node import ChainNode
-from dead_reckoning.nodes.totals_file import TotalsFile
+from dead_reckoning.nodes.chain_node import STEADY, ChainNode
+from dead_reckoning.nodes.totals_file import LONGEST_WAIT, TotalsFile
 from dead_reckoning.nodes.transforms import mountings
 
 
@@ -64,8 +72,9 @@ def resume(node: ChainNode, pedometer: Pedometer, says: StepOutputs) -> None:
         node.diagnostics.fault(file.damage)
     pedometer.resume(file.totals)
     says.keep = file.keep
+    node.create_timer(LONGEST_WAIT, lambda: node.put_out(says.due()), clock=STEADY)
     node.watch(lambda: [] if (error := file.error) is None else [(str(file.path), error)])
-    node.push(TOTALS, None)
+    node.push(TOTALS, ())
 
 
 def serve(
@@ -76,8 +85,8 @@ def serve(
     ``calibrate`` names the service that calibrates the step length.
     """
 
-    def say(text: str) -> str:
-        node.push(TOTALS, None)
+    def say(text: str, states: Sequence[PedometerState] = ()) -> str:
+        node.push(TOTALS, states)
         return text
 
     def start() -> str:
@@ -86,8 +95,7 @@ def serve(
         return say('counting from zero')
 
     def stop() -> str:
-        pedometer.stop()
-        return say('stopped: the totals are held')
+        return say('stopped: the totals are held', pedometer.stop())
 
     def reset() -> str:
         pedometer.reset()

@@ -6,11 +6,12 @@ from pathlib import Path
 
 from dead_reckoning.configuration import DRIVER, NAVIGATOR, PEDOMETER
 from dead_reckoning.core.chain import Stage
+from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
-from dead_reckoning.core.stages import AIDING, BESIDE
+from dead_reckoning.core.stages import AIDING, BESIDE, IMU
 from dead_reckoning.live import live_chain
 from dead_reckoning.nodes import gravity_removal, inertial_navigator, integrator, pedometer
 from dead_reckoning.nodes.chain_node import ChainNode
@@ -38,6 +39,12 @@ class PipelineNode(ChainNode):
         pipeline = Pipeline(
             self.configuration, self._ending(settings), mountings(self, self.frames)
         )
+        if not from_topic and IMU in pipeline.inputs:
+            raise SettingsError(
+                f'pipeline.source: {settings.source!r} gives imu/data_raw, and imu/data comes '
+                'from nowhere; set gravity.attitude to rest or estimate, or pedometer.input and '
+                'navigator.input, as far as they are used, to imu/data_raw'
+            )
         inputs = [name for name in pipeline.inputs if from_topic or name in BESIDE]
         between = list(pipeline.between)
         driver = None if from_topic else driver_of(self.configuration)

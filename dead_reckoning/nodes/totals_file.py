@@ -6,7 +6,8 @@ import fcntl
 import json
 import os
 import time
-from concurrent.futures import ThreadPoolExecutor, wait
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from errno import EWOULDBLOCK
 from itertools import count
@@ -28,7 +29,8 @@ MOST_STEPS = 2**31
 
 LONGEST_FILE = 4096
 LONGEST_WAIT = 0.05
-"""How long [s] a sample waits for the disk; a slower one writes while samples go on."""
+"""How long [s] a sample waits for the disk; a slower one writes while samples go on, and what was
+to be said of these totals waits."""
 
 PATIENCE = 5.0
 """How long [s] a disk may take until that is said."""
@@ -65,27 +67,30 @@ class TotalsFile:
         self._newest = self.totals
         self._kept: Totals | None = self.totals
         self._writer = ThreadPoolExecutor(1, 'totals')
-        self._asked = 0.0
+        self._asked: Future[None] = self._writer.submit(self._write_newest)
+        self._begun: float | None = None
         self._refused = ''
 
-    def keep(self, totals: Totals) -> None:
+    def keep(self, totals: Totals) -> Callable[[], bool]:
         """Write totals, and wait until they are safe, but `LONGEST_WAIT` at most.
 
-        What can't be written is in ``error``, and is tried again with the next totals.
+        Return what says whether they need not be waited for any more: they are written, or can't
+        be.  That is in ``error``, and is tried again with the next totals.
         """
         if totals != self._newest:
-            if self._newest == self._kept:
-                self._asked = time.monotonic()
             self._newest = totals
-            wait([self._writer.submit(self._write_newest)], LONGEST_WAIT)
+            if self._asked.running() or self._asked.done():  # else it is going to write these
+                self._asked = self._writer.submit(self._write_newest)
+            wait([self._asked], LONGEST_WAIT)
+        asked = self._asked
+        return lambda: asked.done() or self.error is not None
 
     @property
     def error(self) -> StateFileError | None:
         """Why the newest totals are not in the file, where they should be by now."""
-        why = self._refused
+        why, begun = self._refused, self._begun
         if not why:
-            late = time.monotonic() - self._asked
-            if self._newest == self._kept or late < PATIENCE:
+            if begun is None or time.monotonic() - begun < PATIENCE:
                 return None
             why = f'the disk has not answered for {PATIENCE:g} s'
         return StateFileError(
@@ -120,12 +125,15 @@ class TotalsFile:
         if totals == self._kept:
             return
         self._kept = None  # until it is known what is in the file
+        self._begun = time.monotonic()
         try:
             self._write(totals)
         except OSError as error:
             self._refused = error.strerror or str(error)
         else:
             self._kept, self._refused = totals, ''
+        finally:
+            self._begun = None
 
     def _write(self, totals: Totals) -> None:
         with self._part.open('wb') as file:

@@ -197,6 +197,7 @@ def test_what_mobgap_has_not_is_said(tmp_path):
 
 def test_simulated_steps_and_cost_are_reported(tmp_path, monkeypatch):
     monkeypatch.setattr(simulated_steps, 'WALKS', (1.75,))
+    monkeypatch.setattr(simulated_steps, 'OTHERS', ((2.0, 0.5),))
     monkeypatch.setattr(simulated_steps, 'RUNS', (2.75,))
     monkeypatch.setattr(simulated_steps, 'SEEDS', (1,))
     report = simulated_steps.measure(tmp_path)

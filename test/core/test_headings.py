@@ -86,11 +86,11 @@ def test_jump_back_starts_anew():
     assert yaw_at(made, 2.9) is None
 
 
-def test_memory_is_bounded():
-    made = history(*(sample(0.001 * k, 0.0001 * k) for k in range(30_000)))
-    assert yaw_at(made, 29.9) == pytest.approx(2.99, abs=0.01)
-    assert yaw_at(made, 21.0) == pytest.approx(2.1, abs=0.01)
-    assert yaw_at(made, 10.0) is None
+def test_memory_is_two_minutes_and_bounded():
+    made = history(*(sample(0.01 * k, 0.01 * k) for k in range(30_000)))
+    for time in (299.9, 240.0, 179.0):
+        assert yaw_at(made, time) == pytest.approx(math.remainder(time, math.tau), abs=0.02)
+    assert yaw_at(made, 140.0) is None
 
 
 def test_sample_without_orientation_says_nothing():

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dead_reckoning.core import step_lengths
+from dead_reckoning.core import step_detectors, step_lengths
 from dead_reckoning.core.errors import (
     LateSampleError,
     MissingAccelerationError,
@@ -413,6 +413,27 @@ def test_calibration_counts_from_where_it_begins():
     found = counter.end_calibration()
     assert (found.steps, found.k) == (20, 0.5)
     assert counter.steps == 50
+
+
+@pytest.mark.parametrize('method', step_detectors.names())
+@pytest.mark.parametrize('begin', [3.5, 4.0, 5.0, 6.0, 12.0])
+def test_calibration_may_begin_in_a_walk(method, begin):
+    """Begin and end on the way: as many steps as were made between, however late they come."""
+    counter = pedometer(length_model='constant', calibration_distance=20.0, method=method)
+    imus = samples(forces(60))
+    first, last = round(100.0 * begin), round(100.0 * (begin + 15.0))
+    run(counter, imus[:first])
+    counter.begin_calibration()
+    run(counter, imus[first:last])
+    assert counter.end_calibration().steps == pytest.approx(15.0 * 1.8, abs=1.0)
+
+
+def test_calibration_goes_on_over_a_restart():
+    counter = pedometer(length_model='constant', calibration_distance=10.0)
+    run(counter, samples(forces(), START_NS + 1000 * SECOND))
+    counter.begin_calibration()
+    run(counter, samples(forces()))
+    assert counter.end_calibration().steps == 20
 
 
 def test_change_of_k_meanwhile_does_not_disturb_calibration():

@@ -117,7 +117,12 @@ def test_types_are_those_of_the_messages():
 def test_what_is_said_was_kept_before():
     walker, kept = Walker(), []
     says = StepOutputs(walker.pedometer, walker.odometry)
-    says.keep = lambda totals: kept.append((totals, len(walker.outputs)))
+
+    def keep(totals):
+        kept.append((totals, len(walker.outputs)))
+        return lambda: True
+
+    says.keep = keep
     walker.chain = Chain([pedometer_stage(walker.pedometer, walker.odometry, says=says)])
     walker.walk(walk())
     assert [totals.steps for totals, _ in kept][-1] == 12
@@ -128,8 +133,23 @@ def test_what_is_said_was_kept_before():
             assert any(t.steps >= value for t, outputs in kept if outputs <= number)
     assert said == 12
     walker.pedometer.reset()
-    walker.chain.push(TOTALS, None)
+    walker.chain.push(TOTALS, ())
     assert kept[-1][0] == Totals()
+
+
+def test_what_is_kept_late_is_said_late_and_in_order():
+    expected = [each for each in Walker().walk(walk()).outputs if each[0] != STEP]
+    walker, written = Walker(), -1
+    says = StepOutputs(walker.pedometer, walker.odometry)
+    says.keep = lambda totals: lambda: totals.steps <= written
+    walker.chain = Chain([pedometer_stage(walker.pedometer, walker.odometry, says=says)])
+    walker.walk(walk())
+    assert not [name for name, _ in walker.outputs if name in (STEPS, DISTANCE)]
+    for written in (-1, 4, 12):
+        walker.outputs += says.due()
+        assert walker.values(STEPS)[-1:] == ([written] if written >= 0 else [])
+    assert [each for each in walker.outputs if each[0] != STEP] == expected
+    assert says.due() == []
 
 
 def test_walk_goes_on_from_totals_as_from_its_own():
@@ -137,7 +157,7 @@ def test_walk_goes_on_from_totals_as_from_its_own():
     begun = Walker(averaging=4.0).walk(walk(6))
     resumed = Walker(averaging=4.0)
     resumed.pedometer.resume(begun.pedometer.totals)
-    assert dict(resumed.chain.push(TOTALS, None)) == {
+    assert dict(resumed.chain.push(TOTALS, ())) == {
         STEPS: 6,
         DISTANCE: begun.pedometer.distance,
         STEP_LENGTH: begun.pedometer.step_length,
@@ -157,6 +177,23 @@ def test_steps_lead_along_the_orientation():
     assert math.atan2(y, x) == pytest.approx(0.7)
     assert z == 0.0
     assert [s.stamp_ns for s in states] == sorted({s.stamp_ns for s in states})
+
+
+def test_steps_that_were_held_back_for_long_are_walked_too():
+    """A rhythm that is hardly seen, so that the first steps come together half a minute late."""
+    random, time = np.random.default_rng(1), 0.01 * np.arange(6000)
+    shaken = 3.0 * np.convolve(random.normal(size=6024), np.full(25, 0.2), 'valid')
+    forces = GRAVITY + (time > 3.0) * (shaken - 2.0 * np.sin(2.0 * np.pi * 1.8 * time))
+    walker, late = Walker(heading='orientation'), []
+    for k, force in enumerate(forces.tolist()):
+        stamp_ns = START_NS + 10_000_000 * k
+        walker.walk(
+            [ImuSample(stamp_ns, 'i', (0.0, 0.0, force), orientation=(0.0, 0.0, 0.0, 1.0))]
+        )
+        late += [stamp_ns - step.stamp_ns for step in walker.values(STEP)[len(late) :]]
+    assert max(late) > 12e9
+    assert len(walker.values(STEP_ODOMETRY)) == len(late)
+    assert walker.values(STEP_ODOMETRY)[-1].position[0] == pytest.approx(walker.pedometer.distance)
 
 
 def test_steps_lead_along_the_compass():
@@ -211,11 +248,21 @@ def test_gap_and_restart_are_said_once():
     assert 'no step is counted over' in str(walker.values(FAULT)[0])
 
 
+def test_steps_that_a_stop_brings_are_walked_too():
+    walker = Walker(heading='orientation')
+    walker.walk(walk(orientation=(0.0, 0.0, 0.0, 1.0))[: 3 * RATE + round(9.3 * RATE / 1.8)])
+    counted = len(walker.values(STEP_ODOMETRY))
+    walker.outputs += walker.chain.push(TOTALS, walker.pedometer.stop())
+    assert counted < len(walker.values(STEP_ODOMETRY)) == walker.values(STEPS)[-1]
+    assert walker.values(STEP_ODOMETRY)[-1].position[0] == pytest.approx(walker.pedometer.distance)
+    assert walker.values(CADENCE)[-1] == 0.0
+
+
 def test_changes_by_service_come_out_when_asked_for():
     walker = Walker().walk(walk())
-    assert walker.chain.push(TOTALS, None) == []
+    assert walker.chain.push(TOTALS, ()) == []
     walker.pedometer.reset()
-    assert walker.chain.push(TOTALS, None) == [(STEPS, 0), (DISTANCE, 0.0), (STEP_LENGTH, 0.0)]
+    assert walker.chain.push(TOTALS, ()) == [(STEPS, 0), (DISTANCE, 0.0), (STEP_LENGTH, 0.0)]
 
 
 # In a pipeline --------------------------------------------------------------------------------

@@ -136,7 +136,9 @@ def test_what_has_to_compile_first_hears_a_signal(ros, tmp_path, monkeypatch, na
     assert node.stderr.count('\n') == 1
 
 
-def test_without_numba_it_says_so_once_and_goes_on(tmp_path, monkeypatch, request):
+@pytest.mark.parametrize('method', ['an900', 'rhythm'])
+def test_without_numba_it_says_so_once_and_goes_on(tmp_path, monkeypatch, request, method):
+    monkeypatch.setitem(SETTINGS, 'pedometer.method', method)
     (tmp_path / 'numba.py').write_text('raise ImportError')
     path = os.pathsep.join([str(tmp_path), os.environ.get('PYTHONPATH', '')])
     monkeypatch.setenv('PYTHONPATH', path)

@@ -2,10 +2,10 @@
 
 import itertools
 import math
+import os
 import random
 import signal
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -214,6 +214,16 @@ def test_start_stop_and_reset(ros, executor):
     assert walker.values(DISTANCE)[-1] == 0.0
 
 
+def test_steps_that_a_stop_brings_are_walked_too(ros):
+    walker = Walker(ros, topic='imu/data')
+    messages = walk(12, orientation=LEVEL)
+    walker.send(messages[: RATE * 7])  # in a step, of which there are 7
+    ros.until(lambda: walker.values(STEPS)[-1:] > [4], 'some steps')
+    assert ros.trigger('pedometer/stop').success
+    point = walker.recordings[ODOM].wait(walker.values(STEPS)[-1])[-1].pose.pose.position
+    assert math.hypot(point.x, point.y) == pytest.approx(walker.values(DISTANCE)[-1])
+
+
 def test_calibration_sets_k(ros, executor):
     walker = Walker(ros, executor, pedometer__calibration_distance=9.0)
     answer = walker.calibrate(False)
@@ -339,15 +349,16 @@ def kept(path):
 
 
 @pytest.fixture
-def quick_folder(tmp_path):
-    """A folder in memory where there is one: a busy disk may take longer than a node waits."""
-    memory = Path('/dev/shm')
-    with TemporaryDirectory(dir=memory if memory.is_dir() else tmp_path) as folder:
-        yield Path(folder)
+def slow_disk(tmp_path, monkeypatch):
+    """A disk that takes far longer than a node waits for it."""
+    code = 'plain = os.fsync\nos.fsync = lambda file: time.sleep(0.2) or plain(file)\n'
+    (tmp_path / 'sitecustomize.py').write_text(f'import os, time\n{code}')
+    path = os.pathsep.join([str(tmp_path), os.environ.get('PYTHONPATH', '')])
+    monkeypatch.setenv('PYTHONPATH', path)
 
 
-def test_totals_outlast_a_killed_node(ros, executor, quick_folder):
-    path = quick_folder / 'totals'
+def test_totals_outlast_a_killed_node(ros, executor, tmp_path):
+    path = tmp_path / 'totals'
     walker = Walker(ros, executor, pedometer__state_file=str(path))
     walker.walk(6)
     walker.wait(6)
@@ -388,8 +399,13 @@ def test_totals_outlast_a_pipeline_that_is_told_to_end(ros, tmp_path):
     assert steps.wait(1)[0].data == 6
 
 
-def test_node_killed_at_any_moment_of_a_walk_loses_no_step_that_it_said(ros, quick_folder):
-    chance, path = random.Random(3), quick_folder / 'totals'
+@pytest.mark.parametrize('disk', ['quick', 'slow'])
+def test_node_killed_at_any_moment_of_a_walk_loses_no_step_that_it_said(
+    ros, tmp_path, request, disk
+):
+    if disk == 'slow':
+        request.getfixturevalue('slow_disk')
+    chance, path = random.Random(3), tmp_path / 'totals'
     publisher = ros.node.create_publisher(Imu, 'imu/data_raw', RELIABLE)
     endless = itertools.count()
 
@@ -416,7 +432,7 @@ def test_node_killed_at_any_moment_of_a_walk_loses_no_step_that_it_said(ros, qui
         total = kept(path).steps
         assert total >= steps.messages[-1].data
         steps.stop()
-    assert not list(quick_folder.glob('*damaged*'))
+    assert not list(tmp_path.glob('*damaged*'))
 
 
 def test_damaged_totals_are_set_aside_with_a_word(ros, tmp_path):

@@ -1,12 +1,15 @@
 """The whole chain in one process: the same numbers as the chain itself, bit for bit."""
 
+from pathlib import Path
+
 import pytest
 from messages import GRAVITY, NANOSECONDS, START_NS, Feed, imu_message, realistic_samples
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
-from ros_harness import DEEP, RELIABLE, lossless
+from ros_harness import DEEP, LATCHED, RELIABLE, lossless
 from sensor_msgs.msg import Imu
+from std_msgs.msg import UInt32
 
 from dead_reckoning import wire
 from dead_reckoning.configuration import Configuration
@@ -122,6 +125,16 @@ def test_topics_between_come_while_someone_subscribes(module_ros, sliding, topic
         odom.wait_next()
         assert set(recording.stamps[5:-5]) <= set(odom.stamps)
         recording.stop()
+
+
+def test_own_sensor_that_can_not_give_what_is_counted_on_is_refused(ros):
+    file = Path(__file__).parents[2] / 'config' / 'pedestrian.yaml'
+    settings = ('--params-file', str(file), '-p', 'pipeline.source:=simulated')
+    node = ros.start('pipeline', None, *settings)
+    assert node.wait() == 2
+    assert 'imu/data comes from nowhere' in node.stderr
+    ros.start('pipeline', None, *settings, '-p', 'pedometer.input:=imu/data_raw')
+    assert ros.record('pedometer/steps', UInt32, LATCHED).wait(1)[0].data == 0
 
 
 def test_a_log_of_a_while_and_then_the_end(ros, tmp_path):

@@ -188,7 +188,7 @@ def test_full_disk_is_told_and_tried_again(path, monkeypatch):
 
         full.setattr(totals_file, 'encode', no_room)
         for steps in (2, 3):
-            file.keep(Totals(steps, 0.7, 0.7))
+            assert file.keep(Totals(steps, 0.7, 0.7))()
             assert isinstance(file.error, StateFileError)
             assert 'No space left on device' in str(file.error)
     assert decode(path.read_bytes()).steps == 1, 'the old one stays whole'
@@ -203,16 +203,20 @@ def test_slow_disk_does_not_hold_samples_up(path, monkeypatch):
     plain = os.fsync
     monkeypatch.setattr(os, 'fsync', lambda descriptor: goes_on.wait() and plain(descriptor))
     begin = time.monotonic()
-    for steps in range(1, 6):
-        file.keep(Totals(steps, 0.7 * steps, 0.7))
+    safe = [file.keep(Totals(steps, 0.7 * steps, 0.7)) for steps in range(1, 6)]
     assert time.monotonic() - begin < 5 * totals_file.LONGEST_WAIT + 1.0
     assert decode(path.read_bytes()) == Totals()
     assert file.error is None
-    monkeypatch.setattr(totals_file, 'PATIENCE', 0.01)
-    assert 'the disk has not answered' in str(file.error)
+    assert not any(each() for each in safe)
+    with monkeypatch.context() as later:
+        later.setattr(totals_file, 'PATIENCE', 0.01)
+        assert 'the disk has not answered' in str(file.error)
+        assert all(each() for each in safe), 'what can not be kept is waited for no longer'
+    assert file._writer._work_queue.qsize() <= 1, 'however many are to be written'
     goes_on.set()
     file.close()
     assert file.error is None
+    assert all(each() for each in safe)
     assert decode(path.read_bytes()).steps == 5
 
 

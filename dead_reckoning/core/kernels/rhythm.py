@@ -107,7 +107,8 @@ SATURATED_AT = LIKE_AT + LONGEST + 2
 ENERGY_AT = SATURATED_AT + 2 * RING
 MAGNITUDE_AT = ENERGY_AT + RING
 HELD_AT = MAGNITUDE_AT + KEPT
-QUEUE_AT = HELD_AT + PEAKS
+HEIGHT_AT = HELD_AT + PEAKS
+QUEUE_AT = HEIGHT_AT + PEAKS
 FOUND_AT = QUEUE_AT + 2 * STEPS
 LENGTH = FOUND_AT + 2 * STEPS
 
@@ -238,14 +239,14 @@ def _median(state: Array) -> float:
 
 def _take_peak(peak: int, now: int, soonest: float, rules: Array, state: Array) -> None:
     """Count a peak, keep it waiting, or hold it back until the gate opens."""
-    period = state[PERIOD]
-    gap = peak - state[LAST]
-    if gap < max(soonest, max(NEAR, 1.0 - state[CORRELATION]) * period):
+    period, walks = state[PERIOD], state[WALKS] > 0.0
+    near = max(NEAR, 1.0 - state[CORRELATION]) * period if walks else 0.0  # else of another rhythm
+    if peak - state[LAST] < max(soonest, near):
         return
-    if state[WALKS] > 0.0 and now - peak > 1.5 * period:  # what falls so slowly is no step
+    if walks and now - peak > 1.5 * period:  # what falls so slowly is no step
         return
     waiting = int(state[WAITING_COUNT])
-    if state[WALKS] == 0.0:
+    if not walks:
         _hold(peak, state)
         state[WAITING_COUNT] = 0.0
     elif _likeness(now, int(state[CYCLE]), int(2.0 * period), state) >= rules[LIKENESS]:
@@ -264,7 +265,9 @@ def _take_peak(peak: int, now: int, soonest: float, rules: Array, state: Array) 
 def _hold(peak: int, state: Array) -> None:
     """Keep a peak, of the last ones, until the gate opens."""
     head, count = int(state[HELD]), int(state[HELD_COUNT])
-    state[HELD_AT + (head + count) % PEAKS] = peak
+    at = (head + count) % PEAKS
+    state[HELD_AT + at] = peak
+    state[HEIGHT_AT + at] = state[PROMINENCE_AT + int(state[PROMINENT] - 1.0) % PROMINENCES]
     if count < PEAKS:
         state[HELD_COUNT] = count + 1
     else:
@@ -317,7 +320,7 @@ def _look(now: int, soonest: float, rules: Array, state: Array) -> None:
     if state[EVIDENCE] == 0.0:
         state[SINCE] = now
     if state[WALKS] == 0.0 and state[EVIDENCE] > rules[OPEN]:
-        _credit(now, soonest, state)
+        _credit(now, soonest, rules, state)
     elif state[WALKS] > 0.0 and state[EVIDENCE] < rules[CLOSE]:
         state[WALKS] = state[HELD_COUNT] = 0.0
 
@@ -347,7 +350,7 @@ def _is_maximum(lag: int, state: Array) -> bool:
     return bool(state[at] >= state[at - 1] and state[at] >= state[at + 1])
 
 
-def _credit(now: int, soonest: float, state: Array) -> None:
+def _credit(now: int, soonest: float, rules: Array, state: Array) -> None:
     """Open the gate and count the peaks since the evidence began, if they are enough."""
     held, period, before = int(state[HELD_COUNT]), state[PERIOD], -1.0
     oldest = max(state[SINCE] - CREDIT, now - KEPT + 4.0 * LONGEST)
@@ -359,12 +362,14 @@ def _credit(now: int, soonest: float, state: Array) -> None:
         return
     state[WALKS], state[HELD_COUNT] = 1.0, 0.0
     near = max(NEAR, 1.0 - state[CORRELATION]) * period
+    least = rules[SHARE] * _median(state)
     for i in range(held):
-        peak = state[HELD_AT + (int(state[HELD]) + i) % PEAKS]
+        at = (int(state[HELD]) + i) % PEAKS
+        peak = state[HELD_AT + at]
+        if state[HEIGHT_AT + at] < least or (before >= 0.0 and peak - before < near):
+            continue
         if before < 0.0:
             _queue(peak, period, state)
-        elif peak - before < near:
-            continue
         else:
             _queue_to(before, peak, period, soonest, state)
         before = peak

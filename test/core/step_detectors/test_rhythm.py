@@ -52,8 +52,9 @@ def noise(size, seed=5):
 
 @pytest.mark.parametrize('steps', [6, 7, 10, 31, 200])
 @pytest.mark.parametrize('cadence', [1.4, 1.8, 2.2, 2.6])
-def test_count_is_exact(steps, cadence):
-    magnitudes = walk(steps, cadence)
+@pytest.mark.parametrize('amplitude', [2.0, 6.0])
+def test_count_is_exact(steps, cadence, amplitude):
+    magnitudes = walk(steps, cadence, amplitude)
     assert len(run(detector(), magnitudes + noise(len(magnitudes)))) == steps
 
 

@@ -101,6 +101,15 @@ def test_steps_that_follow_the_cadence_are_found_too(run, walked, tmp_path):
     status, _, written = run(*walked(*walks), '--distance', *distances, '--config', config)
     assert status == 0
     assert (written.length_model, written.k) == ('cadence_height', pytest.approx(k, rel=0.01))
+    assert written.height == height, 'k means nothing without it'
+
+
+def test_models_that_are_alike_leave_it_as_it_is(run, walked):
+    (path,) = walked((1.8, 0.7))
+    status, printed, written = run(path, path, '--distance', 14)
+    assert status == 0
+    assert all('0.0' in row for row in fitted(printed).values())
+    assert written.length_model == PedometerSettings().length_model
 
 
 def test_a_single_walk_fits_the_configured_model_and_tells_no_error(run, walked, tmp_path):
