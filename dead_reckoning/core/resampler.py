@@ -23,7 +23,7 @@ class Resampler:
     Stamps must rise; gaps are bridged by a straight line, so whoever knows better calls `reset`.
     """
 
-    KERNELS: ClassVar[Any] = ((add, (1, 0.0, 0.0, 0.0, np.ones(7, np.int64), np.zeros(9))),)
+    KERNELS: ClassVar[Any] = ((add, (2, 0.0, 0.0, 0.0, np.ones(7, np.int64), np.zeros(9))),)
     """What is called where it is compiled, with arguments for which it can be."""
 
     def __init__(self, rate: int, use: Vector = (1.0, 1.0, 1.0), compiled: bool = False) -> None:

@@ -166,4 +166,4 @@ def test_what_finds_steps_is_there_before_the_first_sample(name):
     )
     environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)}
     found = subprocess.run([sys.executable, '-c', code], env=environment, stdout=subprocess.PIPE)
-    assert found.stdout.split() == [b'take', b'finish']
+    assert found.stdout.split() == [b'add', b'take', b'finish']
