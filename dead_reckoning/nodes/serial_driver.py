@@ -76,7 +76,7 @@ class SerialDriver(Driver):
                 self._tell()
             elif isinstance(event, Opened):
                 self._openings += 1
-                self._open, self._told = True, -math.inf
+                self._open = True
                 self._begin()
             else:
                 self._open = False
@@ -100,6 +100,7 @@ class SerialDriver(Driver):
     def _begin(self) -> None:
         """Begin with bytes that do not follow on those before."""
         self._state = 'open'
+        self._told = -math.inf
         self._note_quiet()
         self._count(self._receiver.restart())
         self.front_end.interrupt()

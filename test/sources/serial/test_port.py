@@ -285,6 +285,8 @@ def test_a_socket_of_a_serial_server_is_read_too(opened):
             events.next(Opened)
             connection.sendall(b'1,2,3\n')
             events.until(lambda: events.data == b'1,2,3\n')
+            events.port.send(b'V')
+            assert connection.recv(10) == b'V'
         assert type(events.next(PortError)) is LostPortError
 
 
@@ -329,3 +331,13 @@ except DependencyError as error:
 """
     done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True)
     assert 'python3-serial' in done.stdout, done.stderr
+
+
+def test_a_socket_is_told_goodbye_too():
+    with socket.create_server(('127.0.0.1', 0)) as server:
+        events = Events(f'socket://127.0.0.1:{server.getsockname()[1]}')
+        connection, _ = server.accept()
+        with connection:
+            events.next(Opened)
+            events.port.close(b'A')
+            assert connection.recv(10) == b'A'
