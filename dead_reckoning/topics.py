@@ -60,6 +60,7 @@ def topics(frames: FrameSettings) -> dict[str, Topic]:
         ),
         stages.ODOMETRY: replace(odometry, source='inertial_navigator'),
         stages.GROUND_TRUTH: replace(odometry, source='the simulated accelerometer_driver'),
+        stages.AN3397: replace(odometry, source='accelerometer_driver with such a board'),
         stages.SMOOTHED: odometry,
         stages.PATH: Topic('nav_msgs/msg/Path', wire.path_encoder(frames.world), latched=True),
         stages.AIDING_TWIST: Topic(

@@ -39,6 +39,13 @@ class Board:
         """Whether it is there."""
         return self._far_end is not None
 
+    def hear(self) -> bytes:
+        """Return what it has been told since the last time."""
+        try:
+            return os.read(self._far_end, 65_536)
+        except OSError:  # nothing, or nobody has the port open
+            return b''
+
     def send(self, data: bytes) -> None:
         """Send bytes; raises `BlockingIOError` where nobody has read those before."""
         while data:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import Future
 from dataclasses import dataclass
+from math import isnan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from dead_reckoning.core.accelerometer import Accelerometer
 from dead_reckoning.core.errors import CalibrationError, DeadReckoningError, NotAtRestError
 from dead_reckoning.core.gyroscope import Gyroscope
 from dead_reckoning.core.rest import GRAVITY
-from dead_reckoning.core.samples import UNKNOWN, ImuSample, Matrix, Vector
+from dead_reckoning.core.samples import UNKNOWN, ImuSample, Matrix, Quaternion, Vector
 from dead_reckoning.core.work import Work
 from dead_reckoning.core.zero_g import ZeroGCalibration
 
@@ -24,42 +25,47 @@ class Conversions:
     """Readings of a sensor in order of time.
 
     ``stamps_ns``, shape (n,) [ns]; ``counts`` of the accelerometer, shape (n, 3); ``rates`` of the
-    gyroscope, shape (n, 3) [rad/s], frame s, None where there is none.
+    gyroscope, shape (n, 3) [rad/s], frame s; ``orientations`` of s in the world, shape (n, 4), as
+    quaternions.  The last two are None where the device has none, NaN in a row where it gave none.
     """
 
     stamps_ns: NDArray[np.int64]
     counts: Array
     rates: Array | None = None
+    orientations: Array | None = None
 
     def __len__(self) -> int:
         return len(self.counts)
 
     def part(self, start: int, stop: int | None = None) -> Conversions:
         """Return those from ``start`` to before ``stop``."""
-        rates = None if self.rates is None else self.rates[start:stop]
-        return Conversions(self.stamps_ns[start:stop], self.counts[start:stop], rates)
+        return Conversions(
+            self.stamps_ns[start:stop],
+            self.counts[start:stop],
+            None if self.rates is None else self.rates[start:stop],
+            None if self.orientations is None else self.orientations[start:stop],
+        )
 
     def then(self, more: Conversions) -> Conversions:
         """Return these with ``more`` after them, from the same sensor."""
         if not len(self):
             return more
-        rates = None
-        if self.rates is not None and more.rates is not None:
-            rates = np.concatenate((self.rates, more.rates))
         return Conversions(
             np.concatenate((self.stamps_ns, more.stamps_ns)),
             np.concatenate((self.counts, more.counts)),
-            rates,
+            _joined(self.rates, len(self), more.rates, len(more)),
+            _joined(self.orientations, len(self), more.orientations, len(more)),
         )
 
 
 class FrontEnd:
     """Average conversions into samples, stamped at the middle of their block, and calibrate.
 
-    AN3397 averages 64 conversions into one.  Clipped conversions are counted, and the sample they
-    went into says so by its covariance: the range squared on that axis; so for a gyroscope beside
-    the accelerometer.  While the calibration at the start runs, no sample comes out; if it fails,
-    samples come with the nominal offsets and ``finding`` says why.
+    AN3397 averages 64 conversions into one; the orientation is that of the middle one.  Clipped
+    conversions are counted, and the sample they went into says so by its covariance: the range
+    squared on that axis; so for a gyroscope beside the accelerometer.  While the calibration at
+    the start runs, no sample comes out; if it fails, samples come with the nominal offsets and
+    ``finding`` says why.
     """
 
     def __init__(
@@ -72,6 +78,7 @@ class FrontEnd:
         rest_deviation: float,
         calibrate_on_start: bool,
         gyroscope: Gyroscope | None = None,
+        orientation_covariance: Matrix = UNKNOWN,
     ) -> None:
         self.model = model
         self.zero_g: Array = np.array(model.zero_g)
@@ -88,6 +95,7 @@ class FrontEnd:
         self._rest_deviation = rest_deviation
         self._variance = model.variance(samples_per_message)
         self._gyroscope = gyroscope
+        self._orientation_covariance = orientation_covariance
         self._left = Conversions(np.empty(0, dtype=np.int64), np.empty((0, 3)))
         self._work = Work()
         self._silent = calibrate_on_start
@@ -164,11 +172,18 @@ class FrontEnd:
             _diagonal(variance),
             rate,
             rate_covariance,
+            *self._orientation(block.orientations),
         )
+
+    def _orientation(self, orientations: Array | None) -> tuple[Quaternion | None, Matrix]:
+        if orientations is None:
+            return None, UNKNOWN
+        x, y, z, w = orientations[len(orientations) // 2].tolist()
+        return (None, UNKNOWN) if isnan(x) else ((x, y, z, w), self._orientation_covariance)
 
     def _rate(self, rates: Array | None) -> tuple[Vector | None, Matrix]:
         gyroscope = self._gyroscope
-        if rates is None or gyroscope is None:
+        if rates is None or gyroscope is None or np.isnan(rates).any():
             return None, UNKNOWN
         saturated = gyroscope.saturated(rates)
         variance = np.full(3, gyroscope.variance(self._per_message))
@@ -176,6 +191,19 @@ class FrontEnd:
             self.saturated += int(saturated.any(axis=1).sum())
             variance = np.where(saturated.any(axis=0), gyroscope.range**2, variance)
         return _vector(rates.mean(axis=0)), _diagonal(variance)
+
+
+def _joined(first: Array | None, before: int, second: Array | None, after: int) -> Array | None:
+    """Return rows one after the other, NaN for those that are not there; None if none are."""
+    if first is None and second is None:
+        return None
+    width = (first if second is None else second).shape[1]  # type: ignore[union-attr]
+    rows: Array = np.full((before + after, width), np.nan)
+    if first is not None:
+        rows[:before] = first
+    if second is not None:
+        rows[before:] = second
+    return rows
 
 
 def _vector(array: Array) -> Vector:

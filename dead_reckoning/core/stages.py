@@ -35,6 +35,7 @@ AIDING = (AIDING_TWIST, AIDING_ODOMETRY, AIDING_POSE, SET_POSE)
 BESIDE = (COMPASS, *AIDING)
 """Topics beside that of the Imu."""
 GROUND_TRUTH = 'ground_truth/odom'
+AN3397 = 'an3397/odom'
 STEPS = 'pedometer/steps'
 DISTANCE = 'pedometer/distance'
 STEP_LENGTH = 'pedometer/step_length'

@@ -9,12 +9,16 @@ from dead_reckoning.nodes.driver import driver_of
 
 
 class AccelerometerDriver(ChainNode):
-    """Publish `imu/data_raw`, and of a simulated sensor `ground_truth/odom`."""
+    """Publish `imu/data_raw`, and of a simulated sensor `ground_truth/odom`.
+
+    A board that measures its attitude publishes `imu/data` instead, one that sends positions
+    `an3397/odom`.
+    """
 
     def __init__(self) -> None:
         super().__init__('accelerometer_driver', DRIVER)
         driver = driver_of(self.configuration)
-        self.connect(Chain([]), inputs=(), outputs=driver.outputs)
+        self.connect(Chain([]), inputs=(), outputs=driver.outputs(self.configuration))
         self.driver = driver(self, self.configuration)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
-from typing import ClassVar
 
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.front_end import Conversions
@@ -18,18 +17,21 @@ from dead_reckoning.sources.driver_settings import DriverSettings
 class Driver:
     """Feed a node with the samples that the front end makes of a source's conversions.
 
-    A subclass finds the conversions and puts them through `deliver`.  ``outputs`` are the topics
-    it feeds.
+    A subclass finds the conversions and puts them through `deliver`.
     """
-
-    outputs: ClassVar[tuple[str, ...]] = (RAW,)
 
     def __init__(self, node: ChainNode, configuration: Configuration) -> None:
         self._node = node
         self._configuration = configuration
+        self._output = self.outputs(configuration)[0]
         self.front_end = front_end(configuration)
         node.offer('calibrate', lambda: self.front_end.calibrate())
         node.show(self.figures)
+
+    @classmethod
+    def outputs(cls, configuration: Configuration) -> tuple[str, ...]:
+        """Name the topics it feeds, that of its samples first."""
+        return (RAW,)
 
     def figures(self) -> Mapping[str, object]:
         """Return what /diagnostics shows."""
@@ -48,7 +50,7 @@ class Driver:
 
     def feed(self, sample: ImuSample) -> None:
         """Feed one sample."""
-        self._node.feed(RAW, sample)
+        self._node.feed(self._output, sample)
 
 
 def driver_of(configuration: Configuration) -> type[Driver]:

@@ -11,7 +11,7 @@ from dead_reckoning.core.gravity_settings import GravitySettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pedometer import PedometerSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
-from dead_reckoning.core.stages import AIDING, BESIDE, IMU
+from dead_reckoning.core.stages import AIDING, BESIDE, IMU, RAW
 from dead_reckoning.live import live_chain
 from dead_reckoning.nodes import gravity_removal, inertial_navigator, integrator, pedometer
 from dead_reckoning.nodes.chain_node import ChainNode
@@ -19,6 +19,13 @@ from dead_reckoning.nodes.driver import driver_of
 from dead_reckoning.nodes.loading import load
 from dead_reckoning.nodes.transforms import mountings
 from dead_reckoning.tables import OdometryLog, stop_after
+
+_REMEDIES = {
+    RAW: "gravity.attitude: 'rest' or 'estimate', navigator.input and pedometer.input: "
+    "'imu/data_raw' take that",
+    IMU: "gravity.attitude: 'message', navigator.input and pedometer.input: 'imu/data' take that",
+}
+_NO_REMEDY = 'it is no Imu: leave it to accelerometer_driver'
 
 
 class PipelineNode(ChainNode):
@@ -49,7 +56,14 @@ class PipelineNode(ChainNode):
         between = list(pipeline.between)
         driver = None if from_topic else driver_of(self.configuration)
         if driver is not None:
-            between += driver.outputs
+            given = driver.outputs(self.configuration)
+            lacking = [name for name in pipeline.inputs if name not in (*BESIDE, *given)]
+            if lacking:
+                raise SettingsError(
+                    f"pipeline.source: '{settings.source}' gives {given[0]}, and the estimators "
+                    f'take {lacking[0]}; {_REMEDIES.get(given[0], _NO_REMEDY)}'
+                )
+            between += given
         live = live_chain(pipeline, self.configuration)
         if live is not None:
             self.show(lambda: {'compiled': live.taken})

@@ -23,8 +23,6 @@ class SimulatedDriver(Driver):
     late.  Under use_sim_time it waits for a clock, and starts over when the clock goes back.
     """
 
-    outputs = (RAW, GROUND_TRUTH)
-
     def __init__(self, node: ChainNode, configuration: Configuration) -> None:
         super().__init__(node, configuration)
         self._settings = configuration[DriverSettings]
@@ -35,12 +33,17 @@ class SimulatedDriver(Driver):
         node.create_timer(max(period, 0.001), self._tick, clock=STEADY)
         node.watch(ClockWatch(node, node.common.input_timeout).findings)
 
+    @classmethod
+    def outputs(cls, configuration: Configuration) -> tuple[str, ...]:
+        """Name the topics of the samples and of the truth."""
+        return (RAW, GROUND_TRUTH)
+
     def _tick(self) -> None:
         now_ns = self._node.get_clock().now().nanoseconds
         if now_ns == 0:
             return  # use_sim_time, and no clock yet
         if self._source is None or now_ns < self._last_ns - NANOSECONDS:
-            listeners = sum(map(self._node.count_subscribers_of, self.outputs))
+            listeners = sum(map(self._node.count_subscribers_of, (RAW, GROUND_TRUTH)))
             if listeners < self._settings.wait_for_subscribers:
                 return
             if self._source is not None:

@@ -18,7 +18,9 @@ from dead_reckoning.sources.simulated_gyroscope import GyroSettings, SimulatedGy
 
 def front_end(parts: Parts) -> FrontEnd:
     """Return what makes samples of the sensor's conversions."""
-    driver = parts[DriverSettings]
+    driver, gyro = parts[DriverSettings], parts[GyroSettings]
+    x, y, z = (deviation**2 for deviation in driver.orientation_deviation)
+    simulated = driver.source == 'simulated'
     return FrontEnd(
         driver.model(),
         frame_id=parts[FrameSettings].sensor,
@@ -26,7 +28,8 @@ def front_end(parts: Parts) -> FrontEnd:
         calibration_samples=driver.calibration_samples,
         rest_deviation=driver.rest_deviation,
         calibrate_on_start=driver.calibrate_on_start,
-        gyroscope=parts[GyroSettings].model(driver.sample_rate),
+        gyroscope=(gyro.model if simulated else gyro.gyroscope)(driver.sample_rate),
+        orientation_covariance=(x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z),
     )
 
 
@@ -60,7 +63,8 @@ def simulated_sensor(parts: Parts, start_ns: int) -> SimulatedAccelerometer:
 def serial_receiver(parts: Parts) -> Receiver:
     """Return what makes conversions of the bytes of a board.
 
-    Raises `SettingsError` for volts of a sensor that has none.
+    Raises `SettingsError` for volts of a sensor that has none, and for counts of another ADC than
+    the protocol has.
     """
     driver, port = parts[DriverSettings], parts[SerialSettings]
     decoder_class = protocols.decoder_class(port.protocol)
@@ -69,5 +73,11 @@ def serial_receiver(parts: Parts) -> Receiver:
         raise SettingsError(
             f'driver.serial.{port.protocol}.unit: volts are not what driver.sensor '
             f'{driver.sensor} gives, which is digital; set one of the two'
+        )
+    analogue_counts = decoder.unit == 'counts' and not driver.part.digital
+    if analogue_counts and decoder.BITS not in (None, driver.adc_bits):
+        raise SettingsError(
+            f'driver.adc_bits: {driver.adc_bits} is not allowed, as driver.serial.protocol '
+            f"'{port.protocol}' has {decoder.BITS}; set one of the two"
         )
     return Receiver(decoder, driver.model(), port)

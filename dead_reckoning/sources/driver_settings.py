@@ -64,12 +64,14 @@ class DriverSettings(Settings, prefix='driver'):
         unit='V, or counts of a digital sensor', minimum=0.0, maximum=1000.0,
     )  # fmt: skip
     sample_rate: float = parameter(
-        6400.0,
-        'Conversions per second of each axis of the simulated sensor',
-        unit='Hz',
-        minimum=1.0,
-        maximum=100_000.0,
-    )
+        Derived(
+            lambda driver: 6400.0 if driver.source == 'simulated' else 100.0,
+            '6400 for the simulated source, else 100',
+        ),
+        'Conversions per second of each axis of the simulated sensor; of another, only for the '
+        'noise of a gyroscope, that of one reading',
+        unit='Hz', minimum=1.0, maximum=100_000.0,
+    )  # fmt: skip
     samples_per_message: int = parameter(
         Derived(
             lambda driver: 64 if driver.source == 'simulated' else 1,
@@ -93,6 +95,11 @@ class DriverSettings(Settings, prefix='driver'):
     rest_deviation: float = parameter(
         0.5, 'Largest standard deviation of the conversions of an axis that still counts as rest',
         unit='m/s²', minimum=1e-6, maximum=10.0,
+    )  # fmt: skip
+    orientation_deviation: tuple[float, float, float] = parameter(
+        (0.05, 0.05, 0.1), 'Standard deviation of an orientation that the device itself measures, '
+        'about x, y, z of the world: of its tilt, of its tilt, of its yaw',
+        unit='rad', minimum=1e-6, maximum=10.0, length=3,
     )  # fmt: skip
     wait_for_subscribers: int = parameter(
         0, 'Subscribers of imu/data_raw and ground_truth/odom, counted together, to wait for '

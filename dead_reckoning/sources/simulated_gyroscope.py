@@ -16,9 +16,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class GyroSettings(Settings, prefix='driver.gyro'):
-    """A gyroscope beside the simulated accelerometer."""
+    """A gyroscope beside the accelerometer; range and noise are those of a board, too."""
 
-    enabled: bool = parameter(False, 'Whether there is one')
+    enabled: bool = parameter(
+        False, 'Whether there is one beside the simulated accelerometer; a board has one or not'
+    )
     range: float = parameter(
         radians(2000.0), 'Largest rate of turn, ±; 2000 °/s is usual on a foot',
         unit='rad/s', minimum=0.01, maximum=1000.0,
@@ -47,8 +49,10 @@ class GyroSettings(Settings, prefix='driver.gyro'):
 
     def model(self, sample_rate: float) -> Gyroscope | None:
         """Return the gyroscope as it reads at a rate of conversions [Hz]; None without one."""
-        if not self.enabled:
-            return None
+        return self.gyroscope(sample_rate) if self.enabled else None
+
+    def gyroscope(self, sample_rate: float) -> Gyroscope:
+        """Return it wherever there is one."""
         return Gyroscope(
             range=self.range,
             noise=self.noise * sqrt(0.5 * sample_rate),

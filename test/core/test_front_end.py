@@ -156,6 +156,42 @@ def test_a_device_without_a_gyroscope_gives_no_rate():
     assert sample.angular_velocity is None
 
 
+def oriented(whole, seed=3):
+    """Return the conversions with orientations beside them."""
+    orientations = np.random.default_rng(seed).normal(0.0, 1.0, (len(whole), 4))
+    return Conversions(whole.stamps_ns, whole.counts, None, orientations)
+
+
+def test_orientation_is_that_of_the_middle_conversion_with_its_covariance():
+    covariance = (1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 3.0)
+    whole = oriented(conversions(128))
+    whole.orientations[96] = np.nan
+    first, second = front_end(orientation_covariance=covariance).add(whole)
+    assert first.orientation == tuple(whole.orientations[32])
+    assert first.orientation_covariance == covariance
+    assert second.orientation is None
+
+
+@given(st.lists(st.integers(1, 40), min_size=1, max_size=20))
+def test_however_rates_and_orientations_come_and_go_cuts_do_not_matter(lengths):
+    """Every second part has none of them: as NaN in one call, as None in calls of their own."""
+    ends = np.cumsum(lengths)
+    both = turned(conversions(ends[-1]))
+    orientations = oriented(both).orientations
+    whole = Conversions(both.stamps_ns, both.counts, both.rates, orientations)
+    device = front_end(gyroscope=GYROSCOPE, samples_per_message=7)
+    cut = []
+    for number, (start, end) in enumerate(zip(ends - lengths, ends, strict=True)):
+        part = whole.part(start, end)
+        if number % 2:
+            whole.rates[start:end] = whole.orientations[start:end] = np.nan
+            part = Conversions(part.stamps_ns, part.counts)
+        cut += device.add(part)
+    at_once = front_end(gyroscope=GYROSCOPE, samples_per_message=7).add(whole)
+    assert plain(cut) == plain(at_once)
+    assert [s.orientation for s in cut] == [s.orientation for s in at_once]
+
+
 def test_calibration_at_the_start_is_silent_and_takes_the_offsets_out():
     device = front_end(calibrate_on_start=True)
     assert device.add(conversions(1023)) == []

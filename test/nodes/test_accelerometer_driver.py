@@ -111,9 +111,10 @@ def test_every_motion_runs(ros):
 def test_every_source_has_a_driver_that_publishes_samples():
     (source,) = (p for p in DriverSettings.parameters() if p.name == 'source')
     for name in source.choices:
-        driver = driver_of(Configuration({'driver.source': name}))
+        configuration = Configuration({'driver.source': name})
+        driver = driver_of(configuration)
         assert driver.__name__ == f'{name.title()}Driver'
-        assert RAW in driver.outputs
+        assert RAW in driver.outputs(configuration)
 
 
 def test_range_that_the_sensor_has_not_stops_the_driver_with_those_it_has(domain_id, tmp_path):

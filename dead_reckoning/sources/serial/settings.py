@@ -30,6 +30,12 @@ class SerialSettings(Settings, prefix='driver.serial'):
         unit='s', minimum=0.0, maximum=10.0,
     )  # fmt: skip
 
+    position_deviation: float = parameter(
+        1.0,
+        'Standard deviation of x and y of a board that sends positions; none says it itself',
+        unit='m', minimum=1e-6, maximum=1e5,
+    )  # fmt: skip
+
     def validate(self) -> None:
         """Raise `SettingsError` for a port that can't be one."""
         if not self.port.strip() or '\0' in self.port:

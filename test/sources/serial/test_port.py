@@ -1,12 +1,14 @@
 """A real port (a pty) that is missing, taken, forbidden, unplugged and back."""
 
 import fcntl
+import gc
 import os
 import socket
 import subprocess
 import sys
 import threading
 import time
+import tracemalloc
 from contextlib import contextmanager
 
 import pytest
@@ -18,6 +20,7 @@ from dead_reckoning.core.errors import (
     PortError,
     PortPermissionError,
 )
+from dead_reckoning.sources.serial import port as port_module
 from dead_reckoning.sources.serial.port import Opened, Received, SerialPort
 from dead_reckoning.sources.serial.settings import SerialSettings
 
@@ -37,7 +40,7 @@ class Events:
         deadline = time.monotonic() + DEADLINE
         while not (found := condition()):
             assert time.monotonic() < deadline, self.all
-            time.sleep(0.005)
+            time.sleep(0.001)
             self.all += self.port.poll()
         return found
 
@@ -106,6 +109,96 @@ def test_bytes_from_before_the_opening_are_not_read(board, opened):
     assert events.data == b'new'
 
 
+def test_a_board_is_told_what_is_sent_and_when(board, opened):
+    board.plug()
+    events = opened(board.port)
+    events.next(Opened)
+    begun = time.time_ns()
+    stamp_ns = events.port.send(b'V')
+    assert begun <= stamp_ns <= time.time_ns()
+    assert events.until(board.hear) == b'V'
+
+
+def test_what_can_not_be_told_is_not_told_and_no_error_of_the_sender(board, opened):
+    events = opened(board.port)
+    events.next(MissingPortError)
+    assert events.port.send(b'V') is None
+    board.plug()
+    events.next(Opened)
+    assert events.port.send(b'V') is not None
+    board.unplug()
+    assert events.until(lambda: events.port.send(b'V') is None)
+    events.next(LostPortError)
+
+
+def test_a_board_that_takes_nothing_does_not_hold_up_the_sender_or_the_end(board, opened):
+    board.plug()
+    events = opened(board.port)
+    events.next(Opened)
+    begun = time.monotonic()
+    assert events.until(lambda: events.port.send(b'x' * 4096) is None)
+    events.port.close(b'q')
+    assert time.monotonic() - begun < 3.0
+
+
+def test_goodbye_is_told_before_the_port_is_closed(board):
+    board.plug()
+    events = Events(board.port)
+    events.next(Opened)
+    events.port.close(b'A')
+    assert board.hear() == b'A'
+    assert events.port.send(b'V') is None
+
+
+def test_tries_in_vain_become_rare(board, opened, monkeypatch):
+    monkeypatch.setattr(port_module, 'RETRY', 0.1)
+    monkeypatch.setattr(port_module, 'LONGEST_RETRY', 0.4)
+    events = opened(board.port)
+    time.sleep(1.6)  # tries after 0, 0.1, 0.3, 0.7, 1.1, 1.5 s
+    assert 3 <= len(events.port.poll()) <= 6
+
+
+def test_a_port_that_appears_is_tried_at_once(board, opened, monkeypatch):
+    monkeypatch.setattr(port_module, 'RETRY', 1000.0)
+    events = opened(board.port)
+    events.next(MissingPortError)
+    board.plug()
+    events.next(Opened)
+
+
+def test_plugged_in_and_out_a_thousand_times_nothing_is_left_behind(board, opened, monkeypatch):
+    monkeypatch.setattr(port_module, 'RETRY', 0.002)
+    monkeypatch.setattr(port_module, 'LOOK', 0.001)
+    events = opened(board.port)
+
+    def cycle():
+        board.plug()
+        events.next(Opened)
+        board.send(b'1,2,3\n')
+        events.port.send(b'V')
+        events.next(Received)
+        board.unplug()
+        events.next(LostPortError)
+        events.all.clear()
+
+    def held():
+        gc.collect()
+        return len(os.listdir('/proc/self/fd')), threading.active_count()
+
+    tracemalloc.start()
+    try:
+        for _ in range(50):
+            cycle()
+        before, (memory, _) = held(), tracemalloc.get_traced_memory()
+        for _ in range(1000):
+            cycle()
+        after, (grown, _) = held(), tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert after == before
+    assert grown - memory < 50_000
+
+
 def test_a_missing_port_is_named_with_what_to_do_and_read_once_it_is_there(board, opened):
     events = opened(board.port)
     error = events.next(PortError)
@@ -142,6 +235,7 @@ def test_a_port_that_another_program_has_is_left_to_it_and_read_when_it_is_free(
         error = events.next(PortError)
         assert type(error) is BusyPortError
         assert f'fuser -v {board.port}' in str(error)
+        assert f'(process {os.getpid()})' in str(error)
     events.next(Opened)
 
 
@@ -151,7 +245,9 @@ def test_no_second_owner_of_this_package(board, opened):
     assert type(opened(board.port).next(PortError)) is BusyPortError
 
 
-def test_a_port_that_is_forbidden_says_how_to_be_allowed(board, opened):
+def test_a_port_that_is_forbidden_says_how_to_be_allowed(board, opened, monkeypatch):
+    """And is tried at once when it is allowed: udev sets the group after the port is there."""
+    monkeypatch.setattr(port_module, 'RETRY', 1000.0)
     board.plug()
     path = board.port.resolve()
     path.chmod(0)
@@ -189,6 +285,8 @@ def test_a_socket_of_a_serial_server_is_read_too(opened):
             events.next(Opened)
             connection.sendall(b'1,2,3\n')
             events.until(lambda: events.data == b'1,2,3\n')
+            events.port.send(b'V')
+            assert connection.recv(10) == b'V'
         assert type(events.next(PortError)) is LostPortError
 
 
@@ -233,3 +331,13 @@ except DependencyError as error:
 """
     done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True)
     assert 'python3-serial' in done.stdout, done.stderr
+
+
+def test_a_socket_is_told_goodbye_too():
+    with socket.create_server(('127.0.0.1', 0)) as server:
+        events = Events(f'socket://127.0.0.1:{server.getsockname()[1]}')
+        connection, _ = server.accept()
+        with connection:
+            events.next(Opened)
+            events.port.close(b'A')
+            assert connection.recv(10) == b'A'

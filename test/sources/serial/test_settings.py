@@ -7,6 +7,7 @@ from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.pipeline import PipelineSettings
 from dead_reckoning.sources.driver import serial_receiver
 from dead_reckoning.sources.driver_settings import DriverSettings
+from dead_reckoning.sources.serial.protocols.ascii import AsciiDecoder
 from dead_reckoning.sources.serial.settings import SerialSettings
 
 
@@ -25,6 +26,15 @@ def test_volts_of_a_digital_sensor_are_refused():
     parts = Configuration({'driver.sensor': 'adxl345', 'driver.serial.ascii.unit': 'volts'})
     with pytest.raises(SettingsError, match=r'driver\.serial\.ascii\.unit.*adxl345'):
         serial_receiver(parts)
+
+
+def test_counts_of_another_converter_than_the_protocol_has_are_refused(monkeypatch):
+    monkeypatch.setattr(AsciiDecoder, 'BITS', 10)
+    with pytest.raises(SettingsError, match=r"driver\.adc_bits: 12 .*'ascii' has 10"):
+        serial_receiver(Configuration())
+    serial_receiver(Configuration({'driver.adc_bits': 10}))
+    serial_receiver(Configuration({'driver.serial.ascii.unit': 'g'}))
+    serial_receiver(Configuration({'driver.sensor': 'adxl345'}))
 
 
 def test_a_board_is_neither_averaged_nor_calibrated_unasked():
