@@ -93,7 +93,7 @@ class WocketsDecoder(Decoder):
 
 _CUT = CutError('a frame without its beginning or its end, where the port was opened or lost')
 _NO_FRAME = FrameError(
-    'bytes that are no frame of a Wocket: is driver.serial.protocol or driver.serial.baud another, '
+    'bytes that are no frame of a Wocket: is driver.serial.protocol or baud another, '
     'or the line disturbed?'
 )
 
