@@ -52,7 +52,7 @@ def talking(name: str) -> tuple[Decoder, list[bytes]]:
     kind = protocols.decoder_class(name)
     bits = {} if kind.BITS is None else {'driver.adc_bits': kind.BITS}
     configuration = Configuration(
-        {'driver.motion': 'walk', 'driver.sample_rate': 1.0 / PERIOD, **bits}
+        {'driver.motion': 'vehicle', 'driver.sample_rate': 1.0 / PERIOD, **bits}
     )
     settings = configuration[kind.Settings]
     board, decoder = protocols.board_class(name)(settings), kind(settings)

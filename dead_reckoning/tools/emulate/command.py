@@ -20,6 +20,9 @@ from dead_reckoning.tools.emulate.faults import Faults
 from dead_reckoning.tools.emulate.port import Port
 from dead_reckoning.tools.options import positive, whole
 
+RATE = 100.0
+"""Measurements a second [Hz], unless the board says how many it takes."""
+
 GONE = 1.0
 """How long [s] a board that was pulled out is away."""
 
@@ -45,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--config', type=Path, metavar='YAML', help='parameter file, the same as of the driver'
     )
     parser.add_argument(
-        '--rate', type=positive, default=100.0, metavar='HZ', help='measurements a second (100)'
+        '--rate', type=positive, metavar='HZ', help='measurements a second, 100 of most boards'
     )
     parser.add_argument(
         '--faults',
@@ -93,13 +96,14 @@ def configured(given: argparse.Namespace) -> Configuration:
     chosen: dict[str, Any] = {
         'driver.serial.protocol': given.protocol,
         'driver.motion': given.motion,
-        'driver.sample_rate': given.rate,
         'driver.simulated.seed': given.seed,
     }
     try:
         values = {} if given.config is None else read_values(given.config)
         values |= {key: value for key, value in chosen.items() if value is not None}
         port = Configuration(values)[SerialSettings]
+        board = protocols.board_class(port.protocol)
+        values['driver.sample_rate'] = given.rate or getattr(board, 'RATE', RATE)
         bits = protocols.decoder_class(port.protocol).BITS
         if bits is not None:
             values.setdefault('driver.adc_bits', bits)

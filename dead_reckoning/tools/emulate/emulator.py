@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +31,9 @@ BUFFER = 64
 ANSWERS = 4096
 """Bytes that may wait where a board answers; it does not hear what comes beyond them."""
 
+BLOCK = 64
+"""Measurements that are computed at once."""
+
 
 class Sensor:
     """Measure with the simulated sensor of a configuration, again and again.
@@ -42,6 +48,7 @@ class Sensor:
         self._model = driver.model()
         self._source = simulated_sensor(configuration, 0)
         self._taken = 0
+        self._ready: Iterator[Measurement] = iter(())
 
     @property
     def next(self) -> float:
@@ -50,21 +57,31 @@ class Sensor:
 
     def measure(self, since: float) -> Measurement:
         """Return the next measurement of a board that was switched on at a time [s]."""
-        time = self.next
+        measurement = next(self._ready, None)
+        if measurement is None:
+            self._ready = self._block()
+            measurement = next(self._ready)
         self._taken += 1
-        conversions = self._source.read(1)
-        truth = self._source.truth(round(time * NANOSECONDS))
+        return replace(measurement, time=measurement.time - since)
+
+    def _block(self) -> Iterator[Measurement]:
+        """Measure a few times at once, which takes hardly longer than once."""
+        conversions = self._source.read(BLOCK)
         counts = conversions.counts
         force = self._model.force(counts, np.array(self._model.zero_g))
-        arrays = (counts, counts * self._model.unit_per_count, force / GRAVITY, force)
-        rates = conversions.rates
-        return Measurement(
-            {unit: _vector(array) for unit, array in zip(UNITS, arrays, strict=True)},
-            time - since,
-            truth.angular_velocity if rates is None else _vector(rates),
-            truth.attitude,
-            truth.position,
+        values = np.stack(
+            (counts, counts * self._model.unit_per_count, force / GRAVITY, force), axis=1
         )
+        stamps = conversions.stamps_ns.tolist()
+        truths = self._source.truths(stamps)
+        rates = [truth.angular_velocity for truth in truths]
+        if conversions.rates is not None:
+            rates = list(map(_vector, conversions.rates))
+        for stamp_ns, rows, rate, truth in zip(stamps, values, rates, truths, strict=True):
+            vectors = dict(zip(UNITS, map(_vector, rows), strict=True))
+            yield Measurement(
+                vectors, stamp_ns / NANOSECONDS, rate, truth.attitude, truth.position
+            )
 
 
 class Emulator:
@@ -127,5 +144,5 @@ class Emulator:
 
 
 def _vector(array: NDArray[np.float64]) -> Vector:
-    x, y, z = array.ravel().tolist()
+    x, y, z = array.tolist()
     return (x, y, z)

@@ -80,7 +80,7 @@ def found_and_true(name, events, configuration):
 
     Positions of boards that send those, the forces of all others.
     """
-    many = measurements(configuration, 60.0)
+    many = measurements(configuration, 30.0)
     readings = [event.values for event in events if isinstance(event, Reading)]
     if readings:
         unit = decoder_of(name, configuration).unit
@@ -101,7 +101,7 @@ def decoder_of(name, configuration):
 @pytest.mark.parametrize('name', NAMES)
 def test_what_was_measured_is_read(name):
     """Over a pty, with whatever the board wants to be told, to the last digit it sends."""
-    arguments = ('--protocol', name, '--motion', 'vehicle', '--rate', 50)
+    arguments = ('--protocol', name, '--motion', 'vehicle')
     configuration = given(*arguments)
     decoder = decoder_of(name, configuration)
     with emulated(*arguments) as (_, port):
@@ -123,7 +123,7 @@ def test_what_was_measured_is_read(name):
 
 @pytest.mark.parametrize('name', NAMES)
 def test_most_is_read_on_a_line_with_faults(name):
-    arguments = ('--protocol', name, '--motion', 'vehicle', '--rate', 50, '--seed', 7)
+    arguments = ('--protocol', name, '--motion', 'vehicle', '--seed', 7)
     configuration = given(*arguments)
     faults = 'drop:0.001,flip:0.001,double:0.001,pause:0.0005'
     with emulated(*arguments, '--faults', faults) as (_, port):
