@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import floor
 
@@ -18,7 +19,7 @@ from dead_reckoning.core.sensors import Part
 from dead_reckoning.sources.motions import Kinematics, Motion
 from dead_reckoning.sources.one_pole import OnePole
 from dead_reckoning.sources.simulated_gyroscope import SimulatedGyroscope
-from dead_reckoning.sources.truth import true_state
+from dead_reckoning.sources.truth import true_states
 
 Array = NDArray[np.float64]
 
@@ -173,7 +174,11 @@ class SimulatedAccelerometer:
 
     def truth(self, stamp_ns: int) -> NavigationState:
         """Return where the body really is at a stamp."""
-        return true_state(self._motion, self._rot_wt, stamp_ns, self._start_ns)
+        return self.truths([stamp_ns])[0]
+
+    def truths(self, stamps_ns: Sequence[int]) -> list[NavigationState]:
+        """Return where the body really is at each of many stamps."""
+        return true_states(self._motion, self._rot_wt, stamps_ns, self._start_ns)
 
     def _force(self, truth: Kinematics, count: int) -> Array:
         """Return the specific force, shape (n, 3) [m/s²], frame s.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,19 +14,26 @@ from dead_reckoning.sources.motions import Motion
 Array = NDArray[np.float64]
 
 
-def true_state(motion: Motion, rot_wt: Array, stamp_ns: int, start_ns: int) -> NavigationState:
-    """Return where the body is at a stamp; ``rot_wt``, shape (3, 3), takes the table into w."""
-    truth = motion.at(np.array([(stamp_ns - start_ns) / NANOSECONDS]))
-    rot_wb = rot_wt @ truth.rotation[0]
-    turn = truth.angular_velocity[0]
-    return NavigationState(
-        stamp_ns,
-        _vector(rot_wt @ truth.position[0]),
-        _vector(rot_wt @ truth.velocity[0]),
-        quaternion_from_matrix(tuple(rot_wb.ravel().tolist())),
-        angular_velocity=_vector(turn),
-        stationary=not truth.velocity.any() and not turn.any(),
-    )
+def true_states(
+    motion: Motion, rot_wt: Array, stamps_ns: Sequence[int], start_ns: int
+) -> list[NavigationState]:
+    """Return where the body is at each stamp; ``rot_wt``, shape (3, 3), takes the table into w."""
+    truth = motion.at((np.array(stamps_ns) - start_ns) / NANOSECONDS)
+    turns = truth.angular_velocity
+    moves = truth.velocity.any(axis=1) | turns.any(axis=1)
+    return [
+        NavigationState(
+            stamp_ns,
+            _vector(rot_wt @ position),
+            _vector(rot_wt @ velocity),
+            quaternion_from_matrix(tuple((rot_wt @ rot_tb).ravel().tolist())),
+            angular_velocity=_vector(turn),
+            stationary=not moving,
+        )
+        for stamp_ns, position, velocity, rot_tb, turn, moving in zip(
+            stamps_ns, truth.position, truth.velocity, truth.rotation, turns, moves, strict=True
+        )
+    ]
 
 
 def _vector(array: Array) -> Vector:

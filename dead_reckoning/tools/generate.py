@@ -62,7 +62,7 @@ def reference() -> str:
         'runs.',
         '',
     ]
-    for part in PARTS:
+    for part in (part for part in PARTS if part.parameters()):
         lines += [f'## {part.prefix}', '', _first_line(part), '']
         lines += ['| key | default | allowed | meaning |', '|---|---|---|---|']
         lines += [_row(parameter) for parameter in part.parameters()]

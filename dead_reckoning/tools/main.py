@@ -20,6 +20,10 @@ COMMANDS = {
         'dead_reckoning.tools.demo.command',
         'simulate a motion, run the nodes, compare with the truth',
     ),
+    'emulate': (
+        'dead_reckoning.tools.emulate.command',
+        'be a board: speak its protocol on a pseudo-terminal, a simulated sensor behind it',
+    ),
     'evaluate': (
         'dead_reckoning.tools.evaluate.command',
         'compare what replay wrote with the truth: poses, steps or a distance',

@@ -3,6 +3,8 @@
 import fcntl
 import os
 import signal
+import subprocess
+import sys
 import time
 from contextlib import suppress
 from itertools import pairwise
@@ -22,6 +24,7 @@ LEVEL = b'2048,2048,3041\r\n'
 
 OK, WARN, ERROR = b'\0', b'\1', b'\2'
 DRIVER = 'accelerometer_driver'
+EMULATE = [sys.executable, '-m', 'dead_reckoning.tools.main', 'emulate']
 
 
 class Wire:
@@ -290,3 +293,38 @@ def test_a_flood_of_garbage_leaves_time_for_a_clean_end(ros, board):
     begun = time.monotonic()
     assert node.end(signal.SIGINT) == 0
     assert time.monotonic() - begun < 3.0
+
+
+def test_the_emulated_board_is_read_through_hang_up_and_return(ros, tmp_path):
+    """The whole way without hardware: a line with faults, pulled out and put back every 3 s."""
+    link = tmp_path / 'board'
+    arguments = '--protocol hex --motion rest --rate 200 --faults drop:1e-4,flip:1e-4,hangup:3'
+    emulator = subprocess.Popen(
+        [*EMULATE, '--link', str(link), *arguments.split()],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        port = emulator.stdout.readline().strip()
+        node = ros.start(
+            DRIVER,
+            {
+                'driver.source': 'serial',
+                'driver.serial.port': port,
+                'driver.serial.protocol': 'hex',
+                'driver.adc_bits': 10,
+            },
+        )
+        raw = ros.record('imu/data_raw', Imu)
+        ros.diagnostics().until(
+            DRIVER, lambda s: int(figures(s).get('reconnections', 0)) >= 2, 'two returns'
+        )
+        raw.wait(len(raw) + 100)
+    finally:
+        emulator.terminate()
+        assert emulator.wait(timeout=10) == 143
+    force = np.median(forces(raw.messages), axis=0)
+    assert force == pytest.approx([0.3, -0.2, GRAVITY + 0.4], abs=0.1)  # its offsets
+    assert all(b > a for a, b in pairwise(raw.stamps))
+    assert node.stderr.count('the port is gone') >= 2
+    assert 'Traceback' not in node.stderr

@@ -112,7 +112,11 @@ class Measurement:
 
 
 class Board(Protocol):
-    """A board as it is seen from its wire: what it sends, and what it makes of what it is told."""
+    """A board as it is seen from its wire: what it sends, and what it makes of what it is told.
+
+    One that averages many measurements into what it sends says how many it takes a second [Hz], in
+    a class attribute ``RATE``.
+    """
 
     def hear(self, data: bytes) -> bytes:
         """Take bytes and return the answer."""

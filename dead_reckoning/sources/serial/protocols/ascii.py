@@ -7,27 +7,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from dead_reckoning.core.accelerometer import UNITS
-from dead_reckoning.core.errors import (
-    ColumnError,
-    CutError,
-    GarbledError,
-    NumberError,
-    OverlongError,
-    ReadingError,
-    SettingsError,
-)
+from dead_reckoning.core.errors import ColumnError, NumberError, SettingsError
 from dead_reckoning.core.parameters import Settings, parameter
-from dead_reckoning.core.samples import Vector
-from dead_reckoning.sources.serial.protocols import Decoder, Event, Measurement, Reading
-
-LONGEST = 256
-"""Bytes of the longest line that is read."""
+from dead_reckoning.sources.serial.lines import SHOWN, LineDecoder
+from dead_reckoning.sources.serial.protocols import Measurement, Reading
 
 LARGEST = 1e9
 """No sensor sends a larger number."""
-
-SHOWN = 40
-"""Characters of a line that an error shows."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,91 +43,31 @@ class AsciiSettings(Settings, prefix='driver.serial.ascii'):
             )
 
 
-_LINE_END = re.compile(rb'[\r\n]')
-_UNPRINTABLE = re.compile(rb'[^\t\x20-\x7e]')
 _NUMBER = re.compile(
-    r'\s*(?:[A-Za-z]\w*\s*[:=]\s*)?'  # a label
+    r'\s*(?:([A-Za-z]\w*)\s*[:=]\s*)?'  # a label
     r'([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\s*',
     re.ASCII,
 )
 
 
-class AsciiDecoder(Decoder):
-    """Read x, y, z from lines that end in CR, LF or both; a number may have a label, as ``X: 1``.
+class AsciiDecoder(LineDecoder):
+    """Read x, y, z from lines; a number may have a label, as ``X: 1`` or ``ay = 2``.
 
-    A line is a reading only if all of it is in order: as many columns as ``columns`` says, a
-    number in each that is used.  Whatever else it is, it costs that line alone, and becomes the
-    error that says why.  Blank lines are nothing.  The first line after a start may lack its
-    beginning without showing it, so it is never a reading.
+    A line is a reading only if all of it is in order: as many columns as ``columns`` says, and in
+    each that is used a number, whose label, if it names an axis, names that of the column.  A
+    label names an axis if just one of the letters x, y, z is in it.
     """
 
     Settings: ClassVar[type[Settings]] = AsciiSettings
 
     def __init__(self, settings: AsciiSettings) -> None:
+        super().__init__()
         self.unit = settings.unit
         self._columns = settings.columns
         self._separator = None if settings.separator == ' ' else settings.separator
-        self._axes = tuple(settings.columns.index(axis) for axis in 'xyz')
-        self._fed = 0
-        self._begin(in_step=False)
+        self._axes = tuple((axis, settings.columns.index(axis)) for axis in 'xyz')
 
-    def _begin(self, *, in_step: bool) -> None:
-        self._in_step = in_step
-        self._line = bytearray()
-        self._length = 0
-
-    def feed(self, data: bytes) -> list[Event]:
-        """Take the next bytes and return the readings and errors of the lines they complete."""
-        *ends, rest = _LINE_END.split(data)
-        events: list[Event] = []
-        for part in ends:
-            events += self._extend(part)
-            events += self._end()
-            self._fed += 1
-            self._begin(in_step=True)
-        return events + self._extend(rest)
-
-    def restart(self) -> list[Event]:
-        """Forget the line that has begun."""
-        cut = self._length > 0
-        self._begin(in_step=False)
-        return [_CUT] if cut else []
-
-    def _extend(self, part: bytes) -> list[Event]:
-        """Add to the line, and say it once when that makes it too long."""
-        before = self._length
-        self._length += len(part)
-        self._fed += len(part)
-        self._line += part[: max(0, LONGEST - before)]
-        if before <= LONGEST < self._length:
-            return [
-                OverlongError(
-                    f'no end of line in {LONGEST} bytes: driver.serial.baud does not fit, or the '
-                    'board does not send lines'
-                )
-            ]
-        return []
-
-    def _end(self) -> list[Event]:
-        if self._length > LONGEST:
-            return []  # said already
-        line = bytes(self._line)
-        if not line.strip():
-            return []
-        if not self._in_step:
-            return [_CUT]
-        try:
-            return [Reading(self._values(line), self._fed - self._length)]
-        except ReadingError as error:
-            return [error]
-
-    def _values(self, line: bytes) -> Vector:
-        if _UNPRINTABLE.search(line):
-            raise GarbledError(
-                f'{line[:SHOWN]!r} is no text: driver.serial.baud or driver.serial.protocol does '
-                'not fit, or the line is disturbed'
-            )
-        text = line.decode('ascii').strip()
+    def _reading(self, text: str, start: int) -> Reading:
         fields = text.split(self._separator)
         if len(fields) != len(self._columns):
             raise ColumnError(
@@ -149,21 +75,27 @@ class AsciiDecoder(Decoder):
                 f'{self._columns!r} has {len(self._columns)}: set it, or '
                 'driver.serial.ascii.separator'
             )
-        x, y, z = (self._number(fields[axis], text) for axis in self._axes)
-        return (x, y, z)
+        x, y, z = [self._number(fields[place], axis, text) for axis, place in self._axes]
+        return Reading((x, y, z), start)
 
-    def _number(self, field: str, text: str) -> float:
+    def _number(self, field: str, axis: str, text: str) -> float:
         found = _NUMBER.fullmatch(field)
-        number = float(found.group(1)) if found else LARGEST
-        if abs(number) >= LARGEST:
+        number = float(found.group(2)) if found else LARGEST
+        if found is None or abs(number) >= LARGEST:
             raise NumberError(
                 f'{field.strip()[:SHOWN]!r} in {text[:SHOWN]!r} is no number that a sensor sends: '
                 'is it a heading, or are driver.serial.ascii.columns others?'
             )
+        label = found.group(1)
+        if label:
+            named = {'x', 'y', 'z'}.intersection(label.lower())
+            if len(named) == 1 and axis not in named:
+                raise ColumnError(
+                    f'{field.strip()[:SHOWN]!r} in {text[:SHOWN]!r} is where '
+                    f'driver.serial.ascii.columns {self._columns!r} has {axis}: set it in the '
+                    'order of the labels'
+                )
         return number
-
-
-_CUT = CutError('a line without its beginning or its end, where the port was opened or lost')
 
 
 class AsciiBoard:

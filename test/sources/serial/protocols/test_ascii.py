@@ -15,8 +15,9 @@ from dead_reckoning.core.errors import (
     ReadingError,
     SettingsError,
 )
+from dead_reckoning.sources.serial.lines import LONGEST
 from dead_reckoning.sources.serial.protocols import Reading
-from dead_reckoning.sources.serial.protocols.ascii import LONGEST, AsciiDecoder, AsciiSettings
+from dead_reckoning.sources.serial.protocols.ascii import AsciiDecoder, AsciiSettings
 
 numbers = st.floats(-9e8, 9e8) | st.integers(-70_000, 70_000).map(float)
 readings = st.tuples(numbers, numbers, numbers)
@@ -72,7 +73,11 @@ def test_columns_say_where_the_axes_stand(order, places):
         (b'X: 512\tY: 498\tZ: 830\n', {'separator': '\t'}),
         (b'X:512 Y:498\tZ:830\n', {'separator': ' '}),
         (b'X = 512: Y = 498: Z = 830\n', {'separator': ':'}),
+        (b'X = 512: Y = 498: Z = 830\r\n', {'separator': ':'}),
         (b'ax=512;ay=498;az=830\n', {'separator': ';'}),
+        (b'acc_y:498\tacc_x:512\tacc_z:830\n', {'separator': '\t', 'columns': 'yxz'}),
+        (b'a1=512,a2=498,a3=830\n', {}),
+        (b'Z:7,X:512,Y:498,Z:830\n', {'columns': '-xyz'}),
         (b'1234.5,512,498,830,ok\n', {'columns': '-xyz-'}),
     ],
 )
@@ -97,6 +102,8 @@ def test_formats_of_boards(line, settings):
         (b'1,2,0x3\n', NumberError, '0x3'),
         (b'1,2,1_0\n', NumberError, '1_0'),
         (b'1,2,3 4\n', NumberError, "'3 4'"),
+        (b'Y:1,X:2,Z:3\n', ColumnError, "'Y:1' in 'Y:1,X:2,Z:3' is where"),
+        (b'ax=1,ay=2,ax=3\n', ColumnError, "'xyz' has z"),
         (b'1,2,\xb2\n', GarbledError, 'driver.serial.baud'),
         ('1,2,٣\n'.encode(), GarbledError, 'no text'),
         (b'1,2,3\0\n', GarbledError, r'\x00'),

@@ -31,6 +31,8 @@ nearly_good = st.lists(
             b'\0',
             b'X:',
             b'e',
+            b'00FF1FF2003FA\r\n',
+            b'\x86\x00\x22\x53\x7f',
         ]
     ),
     max_size=60,

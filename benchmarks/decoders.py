@@ -1,0 +1,145 @@
+"""How fast protocols are read, beside the line they come over: ``python -m benchmarks.decoders``.
+
+Each decoder reads random bytes, and what its board sends of a simulated walk, over and over, in
+pieces as a port gives them; one that polls, answer by answer.  Growth is what it holds more at the
+end than after the first tenth, with another tenth of the bytes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import sys
+import time
+import tracemalloc
+from collections.abc import Iterable, Iterator
+from itertools import cycle, islice
+from typing import Any
+
+import numpy as np
+
+from benchmarks.accuracy.report import table
+from dead_reckoning.configuration import Configuration
+from dead_reckoning.sources.serial import protocols
+from dead_reckoning.sources.serial.protocols import Decoder, Position, Reading
+from dead_reckoning.sources.serial.settings import SerialSettings
+from dead_reckoning.tools.emulate.emulator import Sensor
+
+PIECE = 4096
+"""Bytes that a port gives at once."""
+
+PERIOD = 0.01
+"""Time [s] between two measurements of the board."""
+
+MEASUREMENTS = 2000
+"""How many different ones it sends."""
+
+TARGET = 100.0
+"""Least speed, as a multiple of that of a line at the default baud."""
+
+MOST_GROWTH = 16 * 1024
+"""Most bytes that a decoder may hold more in the end."""
+
+
+def random_pieces(count: int) -> Iterator[bytes]:
+    """Give so many random bytes."""
+    random = np.random.default_rng(1)
+    return (random.bytes(PIECE) for _ in range(count // PIECE))
+
+
+def talking(name: str) -> tuple[Decoder, list[bytes]]:
+    """Return a decoder in the midst of its talk with its board, and what the board then sends."""
+    kind = protocols.decoder_class(name)
+    bits = {} if kind.BITS is None else {'driver.adc_bits': kind.BITS}
+    configuration = Configuration(
+        {'driver.motion': 'vehicle', 'driver.sample_rate': 1.0 / PERIOD, **bits}
+    )
+    settings = configuration[kind.Settings]
+    board, decoder = protocols.board_class(name)(settings), kind(settings)
+    sensor = Sensor(configuration)
+    sent = []
+    for _ in range(MEASUREMENTS):
+        data = board.hear(decoder.due(PERIOD)) + board.measure(sensor.measure(0.0))
+        if any(isinstance(event, (Reading, Position)) for event in decoder.feed(data)):
+            sent.append(data)
+    if not decoder.POLLED:
+        joined = b''.join(sent)
+        sent = [joined[at : at + PIECE] for at in range(0, len(joined), PIECE)]
+    return decoder, sent
+
+
+def fed(decoder: Decoder, pieces: Iterable[bytes]) -> tuple[int, int, float]:
+    """Feed as the driver does; return bytes, readings and positions, and the time taken [s]."""
+    size = found = 0
+    spent = 0.0
+    for piece in pieces:
+        begin = time.perf_counter()
+        decoder.due(PERIOD)
+        events = decoder.feed(piece)
+        spent += time.perf_counter() - begin
+        size += len(piece)
+        found += sum(isinstance(event, (Reading, Position)) for event in events)
+    return size, found, spent
+
+
+def held() -> int:
+    """Return the memory in use [bytes], what Python keeps to use again left out."""
+    gc.collect()
+    return tracemalloc.get_traced_memory()[0]
+
+
+def growth(decoder: Decoder, pieces: list[bytes]) -> int:
+    """Return how many bytes more a decoder holds in the end than after a tenth of the pieces."""
+    tenth = len(pieces) // 10
+    tracemalloc.start()
+    try:
+        fed(decoder, pieces[:tenth])
+        before = held()
+        fed(decoder, pieces[tenth:])
+        return held() - before
+    finally:
+        tracemalloc.stop()
+
+
+def measured(name: str, what: str, count: int) -> tuple[Any, ...]:
+    """Return a row of the table: its last cell says whether a target was missed."""
+    if what == 'random':
+        kind = protocols.decoder_class(name)
+        decoder = kind(kind.Settings())
+        pieces, fewer = random_pieces(count), list(random_pieces(count // 10))
+    else:
+        decoder, sent = talking(name)
+        whole = round(count / (sum(map(len, sent)) / len(sent)))
+        pieces, fewer = islice(cycle(sent), whole), list(islice(cycle(sent), whole // 10))
+    more = growth(decoder, fewer)
+    size, found, spent = fed(decoder, pieces)
+    line = size * SerialSettings().byte_time / spent
+    missed = line < TARGET or more > MOST_GROWTH
+    return (
+        name, what, f'{size / 1e6:.0f} MB', f'{found}', f'{size / spent / 1e6:.1f} MB/s',
+        f'{line:.0f}', f'{more / 1024:.1f} KiB', 'missed' if missed else '',
+    )  # fmt: skip
+
+
+def main() -> int:
+    """Measure; return 1 if a decoder is too slow or grows."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--megabytes', type=float, default=100.0, help='of random bytes for each')
+    parser.add_argument('--quick', action='store_true', help='1 MB for each, for a glance')
+    parser.add_argument('--only', nargs='+', choices=protocols.names(), default=protocols.names())
+    given = parser.parse_args()
+    count = round(1e6 * (1.0 if given.quick else given.megabytes))
+    head = ('protocol', 'bytes', 'read', 'found', 'speed', 'times the line', 'growth', '')
+    rows = [
+        measured(name, what, size)
+        for name in given.only
+        for what, size in (('random', count), ('good', count // 10))
+    ]
+    print(table(head, rows))
+    speed = 1e-3 / SerialSettings().byte_time
+    print(f'The line: {speed:.2f} kB/s. Wanted: {TARGET:.0f} times that, and no growth.')
+    return int(any(row[-1] for row in rows))
+
+
+if __name__ == '__main__':
+    sys.exit(main())

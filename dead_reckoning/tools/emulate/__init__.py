@@ -1,0 +1,1 @@
+"""A board that is not there: its protocol on a pseudo-terminal, a simulated sensor behind it."""
