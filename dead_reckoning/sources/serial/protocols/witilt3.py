@@ -70,11 +70,11 @@ class Witilt3Settings(Settings, prefix='driver.serial.witilt3'):
         choices=('-', 'x', 'y', 'z'),
     )
     rate_zero: float = parameter(
-        512.0, 'Count of the rate at rest', minimum=0.0, maximum=1023.0,
+        512.0, 'Count of the rate at rest', unit='counts', minimum=0.0, maximum=1023.0,
     )  # fmt: skip
     rate_scale: float = parameter(
-        0.0064, 'What a count of the rate is; negative turns the sign',
-        unit='rad/s', minimum=-1.0, maximum=1.0,
+        0.0064, 'A count of the rate; negative turns the sign',
+        unit='rad/s per count', minimum=-1.0, maximum=1.0,
     )  # fmt: skip
 
     def validate(self) -> None:
