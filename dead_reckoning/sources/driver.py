@@ -60,19 +60,19 @@ def simulated_sensor(parts: Parts, start_ns: int) -> SimulatedAccelerometer:
 def serial_receiver(parts: Parts) -> Receiver:
     """Return what makes conversions of the bytes of a board.
 
-    Raises `SettingsError` for volts of a sensor that has none, or two ranges of one board.
+    Raises `SettingsError` for volts of a sensor that has none.
     """
     driver, port = parts[DriverSettings], parts[SerialSettings]
     decoder_class = protocols.decoder_class(port.protocol)
     decoder: protocols.Decoder = decoder_class(parts[decoder_class.Settings])
-    if decoder.unit == 'volts' and driver.part.digital:
-        raise SettingsError(
-            f'driver.serial.{port.protocol}.unit: volts are not what driver.sensor '
-            f'{driver.sensor} gives, which is digital; set one of the two'
-        )
     if decoder.range_g not in (None, driver.range_g):
         raise SettingsError(
             f'driver.serial.{port.protocol}.range_g: the board would have ±{decoder.range_g:g} g, '
             f'and driver.range_g is {driver.range_g:g}; set both alike'
+        )
+    if decoder.unit == 'volts' and driver.part.digital:
+        raise SettingsError(
+            f'driver.serial.{port.protocol}.unit: volts are not what driver.sensor '
+            f'{driver.sensor} gives, which is digital; set one of the two'
         )
     return Receiver(decoder, driver.model(), port)
