@@ -23,6 +23,12 @@ RANGES = tuple(PART.ranges)
 TIMEOUT = 0.2
 """Time [s] after which an answer is given up."""
 
+STALLED = 0.05
+"""The same where something has come that is no answer yet."""
+
+EARLY = 0.001
+"""So much [s] too early is not too early to poll."""
+
 UNANSWERED = 4
 """As many requests without an answer, and the board is greeted anew."""
 
@@ -97,6 +103,7 @@ class ZstarDecoder(Decoder):
         self._stray = False
         self._unanswered = 0
         self._unchecked = 0.0
+        self._behind = 0.0
         self._had_range = False
         self._late: list[Event] = []
 
@@ -147,9 +154,16 @@ class ZstarDecoder(Decoder):
 
     def due(self, waited: float) -> bytes:
         """Return the next request: after an answer at the rate of the polls, else in a while."""
-        pause = SETTLING if self._asked[:1] == b'g' else self._period
-        if waited < (pause if self._answered else TIMEOUT):
+        if not self._answered:
+            pause = STALLED if self._answer or self._stray else TIMEOUT
+        elif self._asked[:1] == b'g':
+            pause = SETTLING
+        else:
+            pause = self._period - self._behind
+        if waited < pause - EARLY:
             return b''
+        # What is late makes the next one sooner, so that the rate is kept.
+        self._behind = min(waited - pause, 0.5 * self._period) if self._asked else 0.0
         self._close()
         if self._next == self._poll:
             self._unchecked += min(waited, CHECKED)
