@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conversation import Conversation, readings
 from scipy.spatial.transform import Rotation
 from simulated_walks import Walk, measured, walk
 
@@ -15,10 +16,12 @@ from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.compass import Compass, CompassSettings
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
+from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import yaw_from_quaternion
 from dead_reckoning.core.stages import COMPASS, IMU, ODOMETRY, RAW, STEP_ODOMETRY, STEPS
-from dead_reckoning.sources.driver import front_end, simulated_sensor
+from dead_reckoning.sources.driver import front_end, serial_receiver, simulated_sensor
 from dead_reckoning.sources.driver_settings import DriverSettings
+from dead_reckoning.sources.serial.protocols import board_class, decoder_class
 
 CONFIG = Path(__file__).parents[1] / 'config'
 START_NS = 1_700_000_000_000_000_000
@@ -81,6 +84,23 @@ def test_an3397_window_is_three_counts():
     window = configuration[IntegratorSettings].window_maximum
     assert window == pytest.approx(3.0 * count[0], abs=1e-3)
     assert configuration[IntegratorSettings].window_minimum == -window
+
+
+@pytest.mark.parametrize('preset', ['zstar', 'witilt3'])
+def test_a_board_that_lies_level_reads_one_g(preset):
+    """Through the bytes of its protocol, to within a count; the window is three of them."""
+    configuration = Configuration.load(CONFIG / f'{preset}.yaml')
+    serial_receiver(configuration)  # takes these settings together
+    kind, model = decoder_class(preset), configuration[DriverSettings].model()
+    assert configuration[DriverSettings].adc_bits == kind.BITS
+    settings = configuration[kind.Settings]
+    force = np.array([[0.0, 0.0, GRAVITY]])
+    talk = Conversation(kind(settings), board_class(preset)(settings))
+    talk.run(3.0, tuple(model.counts(model.output(force))[0].tolist()))
+    (values,) = set(readings(talk.events))
+    count = model.force_per_count[0]
+    assert np.abs(model.force(np.array([values]), np.array(model.zero_g)) - force).max() < count
+    assert configuration[IntegratorSettings].window_maximum == pytest.approx(3.0 * count, abs=1e-3)
 
 
 def navigated(preset, block):

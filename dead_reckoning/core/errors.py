@@ -194,6 +194,12 @@ class FrameError(ReadingError):
     """Bytes are no frame of the board they were taken for."""
 
 
+class BoardError(ReadingError):
+    """A board is not set as the parameters say, so its readings would be taken for others."""
+
+    severity = 'error'
+
+
 class PortError(DeadReckoningError):
     """A serial port can't be read; a subclass says why, where that is known."""
 

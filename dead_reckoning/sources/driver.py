@@ -69,6 +69,11 @@ def serial_receiver(parts: Parts) -> Receiver:
     driver, port = parts[DriverSettings], parts[SerialSettings]
     decoder_class = protocols.decoder_class(port.protocol)
     decoder: protocols.Decoder = decoder_class(parts[decoder_class.Settings])
+    if decoder.range_g not in (None, driver.range_g):
+        raise SettingsError(
+            f'driver.serial.{port.protocol}.range_g: the board would have ±{decoder.range_g:g} g, '
+            f'and driver.range_g is {driver.range_g:g}; set both alike'
+        )
     if decoder.unit == 'volts' and driver.part.digital:
         raise SettingsError(
             f'driver.serial.{port.protocol}.unit: volts are not what driver.sensor '

@@ -102,6 +102,47 @@ PRESETS = (
         },
     ),
     Preset(
+        'zstar',
+        'A Freescale ZSTAR (RD3152MMA7260Q), polled through its USB stick: 8 bits at ±1.5 g, '
+        '16.1 mg a count, three of them the window as in AN3397 (docs/devices/zstar.md). Another '
+        'range goes into both range_g.',
+        {
+            'driver.source': 'serial',
+            'driver.sensor': 'mma7260qt',
+            'driver.range_g': 1.5,
+            'driver.adc_bits': 8,
+            'driver.calibration_samples': 256,
+            'driver.serial.port': '/dev/ttyACM0',
+            'driver.serial.protocol': 'zstar',
+            'driver.serial.zstar.range_g': 1.5,
+            'driver.serial.zstar.poll_rate': 50.0,
+            'integrator.window_minimum': -0.474,
+            'integrator.window_maximum': 0.474,
+            'pipeline.source': 'serial',
+        },
+    ),
+    Preset(
+        'witilt3',
+        'A SparkFun WiTilt v3 over Bluetooth: 10 bits at ±1.5 g, 4.0 mg a count, three of them '
+        'the window as in AN3397 (docs/devices/witilt3.md). Another range goes into both range_g. '
+        'As a comment: the speed of older boards.',
+        {
+            'driver.source': 'serial',
+            'driver.sensor': 'mma7260qt',
+            'driver.range_g': 1.5,
+            'driver.adc_bits': 10,
+            'driver.serial.port': '/dev/rfcomm0',
+            'driver.serial.baud': 115_200,
+            'driver.serial.protocol': 'witilt3',
+            'driver.serial.witilt3.range_g': 1.5,
+            'driver.serial.witilt3.channels': 'xyzr',
+            'integrator.window_minimum': -0.119,
+            'integrator.window_maximum': 0.119,
+            'pipeline.source': 'serial',
+        },
+        other={'driver.serial.baud': 57_600},
+    ),
+    Preset(
         'pedestrian',
         'Who walks with an IMU, anywhere on the body: a phone in a hand, a pocket or a bag, a '
         'sensor on a belt, a watch. Run `pedometer` or `pipeline` with it, or replay a recording. '

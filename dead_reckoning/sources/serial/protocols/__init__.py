@@ -69,6 +69,8 @@ class Decoder(Protocol):
 
     unit: str
     """Unit of the readings: one of `dead_reckoning.core.accelerometer.UNITS`."""
+    range_g: float | None = None
+    """Range ± [g] that the board has or is told to take, where the decoder sees to it."""
 
     def feed(self, data: bytes) -> list[Event]:
         """Take the next bytes and return what they complete, in the order of the bytes."""
