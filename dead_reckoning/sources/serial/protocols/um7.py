@@ -2,8 +2,8 @@
 
 ``s n p``, a byte that says how many registers of four bytes follow, the address of the first, the
 registers, and the 16-bit sum of all bytes before it; the high byte first.  Source: data sheet
-Rev 1.6.  Its axes are forward, right, down, its world is north, east, down; what becomes of them
-is derived in docs/devices/um7.md.
+Rev 1.6.  Its axes are forward, right, down, its world is north, east, down; what becomes of them,
+and which figures are unconfirmed, is in docs/devices/um7.md.
 """
 
 from __future__ import annotations
@@ -67,10 +67,6 @@ class Um7Settings(Settings, prefix='driver.serial.um7'):
         'body into north, east, down), inverse (the same, turning back) or euler (112 to 116)',
         choices=('quaternion', 'inverse', 'euler'),
     )
-    level_z: int = parameter(
-        -1, 'What its accelerometer reads along z, which points down, at rest and level: -1, as a '
-        'specific force, or 1', unit='g', choices=(-1, 1),
-    )  # fmt: skip
     together: float = parameter(
         0.003, 'Packets make one reading if their times differ by no more; less than the time '
         'from one reading to the next',
@@ -164,8 +160,7 @@ class Um7Decoder(Frames):
         x, y, z = values
         if part == _RATE:
             return (radians(x), -radians(y), -radians(z))
-        sign = -self._settings.level_z
-        return (sign * x, -sign * y, -sign * z)
+        return (x, -y, -z)
 
     def _attitude(self, values: list[float]) -> Quaternion | None:
         if self._settings.attitude == 'euler':
@@ -243,10 +238,9 @@ class Um7Board:
         time = measurement.time
         x, y, z = measurement.values['g']
         wx, wy, wz = (degrees(turn) for turn in measurement.rate)
-        sign = -self._settings.level_z
         processed = (
             struct.pack(_XYZ, wx, -wy, -wz, time)
-            + struct.pack(_XYZ, sign * x, -sign * y, -sign * z, time)
+            + struct.pack(_XYZ, x, -y, -z, time)
             + struct.pack(_XYZ, 0.0, 0.0, 0.0, time)
         )
         attitude = turned(measurement.orientation)

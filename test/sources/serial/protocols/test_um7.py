@@ -278,10 +278,9 @@ def test_numbers_that_no_board_measures_are_refused(bad):
     ),
     st.lists(st.integers(0, 400)),
     st.sampled_from(['quaternion', 'inverse', 'euler']),
-    st.sampled_from([-1, 1]),
 )
-def test_decoder_reads_at_any_cut_what_the_board_sends(sent, cuts, attitude, level_z):
-    settings = Um7Settings(attitude=attitude, level_z=level_z)
+def test_decoder_reads_at_any_cut_what_the_board_sends(sent, cuts, attitude):
+    settings = Um7Settings(attitude=attitude)
     board, read = Um7Board(settings), Um7Decoder(settings)
     sent = [(values, turn, quaternion_from_euler(*euler)) for values, turn, euler in sent]
     data = b''.join(board.measure(measurement(*each, 0.25 * k)) for k, each in enumerate(sent))
@@ -383,11 +382,6 @@ def test_a_tilted_board_at_rest_feels_what_its_attitude_says(roll, pitch, read, 
     assert world == pytest.approx((0.0, 0.0, 1.0), abs=1e-4)
 
 
-def test_a_board_that_reads_gravity_instead_is_turned_round():
-    (reading,) = decoder(level_z=1).feed(rate(1.0) + force(1.0, (0.1, 0.2, 1.0)) + quaternion(1.0))
-    assert reading.values == pytest.approx((-0.1, 0.2, 1.0))
-
-
 @given(angles, angles, angles)
 def test_attitude_is_that_of_the_matrices(roll, pitch, yaw):
     ned = Rotation.from_euler('xyz', [roll, pitch, yaw])
@@ -401,7 +395,7 @@ def test_turning_clockwise_seen_from_above_lowers_the_yaw():
     assert reading.rate == pytest.approx((0.0, 0.0, -math.pi / 2.0))
 
 
-@pytest.mark.parametrize('settings', [{'level_z': 0}, {'attitude': 'matrix'}, {'together': -0.1}])
+@pytest.mark.parametrize('settings', [{'attitude': 'matrix'}, {'together': -0.1}])
 def test_settings_that_no_board_has_are_refused(settings):
     with pytest.raises(SettingsError, match=rf'driver\.serial\.um7\.{next(iter(settings))}'):
         Um7Settings(**settings)
