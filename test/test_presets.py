@@ -18,10 +18,11 @@ from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import yaw_from_quaternion
+from dead_reckoning.core.samples import ZERO, ImuSample
 from dead_reckoning.core.stages import COMPASS, IMU, ODOMETRY, RAW, STEP_ODOMETRY, STEPS
 from dead_reckoning.sources.driver import front_end, serial_receiver, simulated_sensor
 from dead_reckoning.sources.driver_settings import DriverSettings
-from dead_reckoning.sources.serial.protocols import board_class, decoder_class
+from dead_reckoning.sources.serial.protocols import Measurement, board_class, decoder_class
 
 CONFIG = Path(__file__).parents[1] / 'config'
 START_NS = 1_700_000_000_000_000_000
@@ -76,6 +77,73 @@ def test_an3397_comes_back_round_its_square():
     assert np.abs(truth).max() == pytest.approx(0.3)
     assert off(states, truth).max() < 0.02
     assert states[-1].stationary
+
+
+# 1 m within 2 s after a rest of 2 s, x = t/2 − sin(πt)/2π, seen 100 times a second.
+TIME = np.arange(0.0, 5.0, 0.01)
+SPEEDING = np.where(
+    (TIME > 2.0) & (TIME < 4.0), 0.5 * math.pi * np.sin(math.pi * (TIME - 2.0)), 0.0
+)
+
+
+def ends_of_the_wire(preset):
+    """Return the configuration of a preset, and the board and the decoder of its protocol."""
+    configuration = Configuration.load(CONFIG / f'{preset}.yaml')
+    settings = configuration[decoder_class(preset).Settings]
+    return configuration, board_class(preset)(settings), decoder_class(preset)(settings)
+
+
+def test_um7_goes_where_its_own_attitude_points():
+    """Nose 10° up and 30° east of north, through the bytes of the board: 1 m within 3 cm."""
+    configuration, board, decoder = ends_of_the_wire('um7')
+    ahead = np.array([math.sin(math.radians(30.0)), math.cos(math.radians(30.0)), 0.0])
+    rotation = Rotation.from_euler('ZY', [math.radians(60.0), -math.radians(10.0)])
+    force_w = SPEEDING[:, None] * ahead + [0.0, 0.0, GRAVITY]
+    noise = np.random.default_rng(3).normal(0.0, 0.004, force_w.shape)
+    forces = rotation.inv().apply(force_w) / GRAVITY + noise
+    x, y, z, w = rotation.as_quat().tolist()
+    chain, states = Pipeline(configuration).chain, []
+    for at, force in zip(TIME.tolist(), forces.tolist(), strict=True):
+        (reading,) = decoder.feed(
+            board.measure(Measurement({'g': tuple(force)}, at, ZERO, (x, y, z, w), ZERO))
+        )
+        sample = ImuSample(
+            START_NS + round(reading.clock * 1e9),
+            'imu_link',
+            tuple(GRAVITY * value for value in reading.values),
+            angular_velocity=reading.rate,
+            orientation=reading.orientation,
+        )
+        states += [value for name, value in chain.push(IMU, sample) if name == ODOMETRY]
+    assert states[-1].stationary
+    assert np.linalg.norm(states[-1].position - ahead) < 0.03
+
+
+def test_imu6dof4_is_levelled_by_its_gyroscopes():
+    """A roll of 20° before the way, which counts of 1°/s show: 1 m within 5 cm."""
+    configuration, board, decoder = ends_of_the_wire('imu6dof4')
+    model, random = configuration[DriverSettings].model(), np.random.default_rng(6)
+    rolling = (TIME >= 1.0) & (TIME < 1.5)
+    rolls = np.cumsum(np.where(rolling, 0.01 * math.radians(40.0), 0.0))
+    force_w = SPEEDING[:, None] * [1.0, 0.0, 0.0] + [0.0, 0.0, GRAVITY]
+    output = model.output(Rotation.from_euler('x', rolls[:, None]).inv().apply(force_w))
+    counts = model.counts(output + random.normal(0.0, model.noise, output.shape))
+    chain, states = Pipeline(configuration).chain, []
+    turns = random.normal(0.0, 0.01, output.shape) + 0.02
+    turns[rolling, 0] += math.radians(40.0)
+    for row, turn in zip(counts.tolist(), turns.tolist(), strict=True):
+        sent = board.measure(Measurement({'counts': row}, 0.0, turn, (0, 0, 0, 1), ZERO))
+        for reading in decoder.feed(sent):
+            force = model.force(np.array([reading.values]), np.array(model.zero_g))[0]
+            sample = ImuSample(
+                START_NS + round(reading.clock * 1e7),
+                'imu_link',
+                tuple(force.tolist()),
+                angular_velocity=reading.rate,
+            )
+            states += [value for name, value in chain.push(RAW, sample) if name == ODOMETRY]
+    assert states[-1].stationary
+    assert np.linalg.norm(states[-1].position - np.array([1.0, 0.0, 0.0])) < 0.05
 
 
 def test_an3397_window_is_three_counts():

@@ -200,6 +200,14 @@ class BoardError(ReadingError):
     severity = 'error'
 
 
+class IncompleteError(ReadingError):
+    """Of what a board sends apart and makes one reading, something is missing."""
+
+
+class HealthError(ReadingError):
+    """A board says of itself that a part of it fails."""
+
+
 class PortError(DeadReckoningError):
     """A serial port can't be read; a subclass says why, where that is known."""
 

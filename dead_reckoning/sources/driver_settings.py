@@ -23,7 +23,7 @@ class DriverSettings(Settings, prefix='driver'):
     range_g: float = parameter(
         Derived(lambda driver: min(driver.part.ranges), 'the smallest of the sensor'),
         'Range of the sensor, ±: 1.5, 2, 4, 6 (mma7260qt, by its g-select pins), 3 (adxl330), 2, '
-        '4, 8, 16 (adxl345)',
+        '4, 8, 16 (adxl345), 8 (um7)',
         unit='g', minimum=1.0, maximum=16.0,
     )  # fmt: skip
     supply: float = parameter(

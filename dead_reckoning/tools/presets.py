@@ -229,6 +229,47 @@ PRESETS = (
         },
     ),
     Preset(
+        'imu6dof4',
+        'A SparkFun IMU 6DOF v4 on a serial port: an MMA7260Q behind 10 bits, its gyroscopes '
+        'carry the attitude that takes gravity off. Run `pipeline` with it; the range is that '
+        'chosen in the menu of the board (docs/devices/imu6dof4.md).',
+        {
+            'driver.source': 'serial',
+            'driver.sensor': 'mma7260qt',
+            'driver.range_g': 1.5,
+            'driver.adc_bits': 10,
+            'driver.sample_rate': 100.0,
+            'driver.gyro.range': 5.24,  # 300 °/s
+            'driver.gyro.noise': 0.0017,
+            'driver.gyro.resolution': 0.017,  # a count
+            'driver.serial.port': '/dev/ttyUSB0',
+            'driver.serial.baud': 115_200,
+            'driver.serial.protocol': 'imu6dof4',
+            'gravity.attitude': 'estimate',
+            'integrator.method': 'kalman',
+            'integrator.window_minimum': -0.2,
+            'integrator.window_maximum': 0.2,  # five counts: 3.4 times the noise of one reading
+            'pipeline.source': 'serial',
+        },
+    ),
+    Preset(
+        'um7',
+        'A CH Robotics UM7 on a serial port, as in the note "Using Accelerometers to Estimate '
+        'Position and Velocity": its own attitude takes gravity off, the rest is integrated '
+        'twice. Run `pipeline` with it; what the UM7 must send is in docs/devices/um7.md.',
+        {
+            'driver.source': 'serial',
+            'driver.sensor': 'um7',
+            'driver.sample_rate': 100.0,
+            'driver.serial.port': '/dev/ttyUSB0',
+            'driver.serial.baud': 115_200,
+            'driver.serial.protocol': 'um7',
+            'gravity.attitude': 'message',
+            'integrator.method': 'euler',
+            'pipeline.source': 'serial',
+        },
+    ),
+    Preset(
         'robot_localization',
         'A robot with an IMU and a gyro, for robot_localization: run `pipeline` with it; its '
         'filter fuses the twist of odom and is the one that broadcasts odom → base_link '

@@ -37,6 +37,14 @@ def test_adxl330_has_the_figures_of_its_sheet():
     assert part.noise == pytest.approx(280e-6 * math.sqrt(1.57 * 30.0) * 0.3, rel=0.01)
 
 
+def test_um7_is_a_16_bit_sensor_of_8_g_with_4_mg_of_noise():
+    part = sensors.part('um7')
+    assert part.digital
+    assert part.limits(8.0) == (-32_768.0, 32_767.0)
+    assert part.noise / part.ranges[8.0] == pytest.approx(0.004, rel=0.01)
+    assert part.zero_g_tolerance / part.ranges[8.0] == pytest.approx(0.08, rel=0.01)
+
+
 @pytest.mark.parametrize('name', sensors.names())
 def test_nominal_supply_is_allowed_and_scales_by_one(name):
     part = sensors.part(name)

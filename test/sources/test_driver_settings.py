@@ -108,7 +108,7 @@ def test_adxl330_is_ratiometric():
 
 
 def test_there_are_the_sensors_of_the_documents():
-    assert sensors.names() == ('adxl330', 'adxl345', 'mma7260qt')
+    assert sensors.names() == ('adxl330', 'adxl345', 'mma7260qt', 'um7')
 
 
 @pytest.mark.parametrize(('name', 'range_g'), RANGES)
