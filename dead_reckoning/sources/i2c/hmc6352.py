@@ -49,8 +49,8 @@ CODE_OF_RATE = {1.0: 0, 5.0: 1, 10.0: 2, 20.0: 3}
 SET_RESET, CONTINUOUS = 0x10, 0x02
 """Of the mode: set and reset the bridges now and then; measure all the time."""
 
-MEMORY_DELAY, DATA_DELAY, ENTER_DELAY, LEAVE_DELAY = 0.0001, 0.006, 0.00001, 0.014
-"""Times [s] after G and g, A, C, E before the next transfer."""
+MEMORY_DELAY, DATA_DELAY, ENTER_DELAY, LEAVE_DELAY = 0.0001, 0.01, 0.00001, 0.014
+"""Times [s] after G and g, A, C, E before the next transfer; A takes 6 to 10 ms."""
 
 TURN = 3600
 """Tenths of a degree in a turn; a heading is less."""

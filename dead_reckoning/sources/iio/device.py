@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import select
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 
@@ -73,7 +73,7 @@ class Iio:
 
     def _find(self, devices: Path) -> Path:
         wanted = self._settings.device
-        named = {folder: Files(folder).text('name') for folder in devices.glob('iio:device*')}
+        named = {p.parent: p.read_text().strip() for p in devices.glob('iio:device*/name')}
         found = [f for f, name in named.items() if wanted in (name, f.name[len('iio:device') :])]
         if len(found) == 1:
             return found[0]
@@ -117,7 +117,10 @@ class Iio:
             if not poll.poll(1000.0 * PATIENCE):
                 yield None
                 continue
-            more = os.read(device, self._settings.buffer_length * layout.size)
+            try:
+                more = os.read(device, self._settings.buffer_length * layout.size)
+            except BlockingIOError:  # less than the watermark of the buffer
+                continue
             if not more:
                 raise LostDeviceError(
                     f'{files.name}: it is gone; it is read on as soon as it is back'
@@ -225,7 +228,9 @@ class Iio:
         if name is None:  # its trigger has the rate
             return
         rate = self._settings.rate
-        files.write(name, f'{rate:.9g}', 'driver.iio.rate')
+        offered = {float(offer): offer for offer in files.offers(name)}
+        near = _near(offered, rate, RATE_TOLERANCE)  # drivers compare, so 0.098 is not 0.0977
+        files.write(name, offered.get(near, f'{rate:.9g}'), 'driver.iio.rate')
         found = files.number(name)
         if abs(found - rate) > RATE_TOLERANCE * rate:
             raise RefusedSettingError(
@@ -246,8 +251,8 @@ class Iio:
         counts = 2.0 ** (Element.parse(files.text('scan_elements/in_accel_x_type')).bits - 1)
         wanted = self._model.range_g
         spans = {float(scale) * counts / GRAVITY: scale for scale in files.offers(name)}
-        near = min(spans, key=lambda span: abs(span - wanted), default=0.0)
-        if abs(near - wanted) <= RANGE_TOLERANCE * wanted:
+        near = _near(spans, wanted, RANGE_TOLERANCE)
+        if near in spans:
             files.write(name, spans[near], 'driver.range_g')
         span = files.number(name) * counts / GRAVITY
         if abs(span - wanted) > RANGE_TOLERANCE * wanted:
@@ -270,6 +275,11 @@ class Iio:
         offset = np.array([of_axis(axis, 'offset', 0.0) for axis in AXES])
         scale = np.array([self._settings.scale or of_axis(axis, 'scale', 1.0) for axis in AXES])
         return lambda raw: self._model.counts_of((raw + offset) * scale, 'm/s2')
+
+
+def _near(values: Iterable[float], wanted: float, tolerance: float) -> float:
+    """Return the value that is as wanted within a part, or else what was wanted."""
+    return next((v for v in values if abs(v - wanted) <= tolerance * wanted), wanted)
 
 
 def _first(files: Files, *names: str) -> str | None:

@@ -167,6 +167,20 @@ def test_an_unplugged_device_is_lost_and_found_again(tree):
     assert next(session(tree)) == Opened()
 
 
+def test_devices_that_are_unplugged_leave_no_descriptor(tmp_path):
+    tree = IioTree(tmp_path)
+    for cycle in range(50):
+        tree.plug()
+        events = session(tree)
+        next(events)
+        tree.unplug()
+        with pytest.raises(LostDeviceError):
+            list(islice(events, 3))
+        if cycle == 0:
+            before = len(list(Path('/proc/self/fd').iterdir()))
+    assert len(list(Path('/proc/self/fd').iterdir())) == before
+
+
 # What is set and verified -----------------------------------------------------------------------
 
 
@@ -175,6 +189,16 @@ def test_a_rate_that_is_refused_names_those_there_are(tree, monkeypatch):
     with pytest.raises(RefusedSettingError, match=r'driver.iio.rate to one of 25, 50, 100'):
         next(session(tree, rate=90.0))
     assert not tree.enabled
+
+
+def test_a_rate_is_written_as_the_device_writes_it(tree):
+    """The kernel compares: 0.09765625 is none of the rates of its ADXL345, 0.097 is."""
+    offers = '0.097000 12.500000 100.000000'
+    (tree.folder / 'in_accel_sampling_frequency_available').write_text(offers)
+    next(session(tree, rate=12.5))
+    assert tree.text('in_accel_sampling_frequency') == '12.500000'
+    next(session(tree, rate=0.09765625))
+    assert tree.text('in_accel_sampling_frequency') == '0.097000'
 
 
 def test_a_rate_that_is_rounded_is_no_other_rate_unnoticed(tree, monkeypatch):
