@@ -11,7 +11,7 @@ from dead_reckoning.sources.i2c.adxl345 import Adxl345, I2cSettings
 from dead_reckoning.sources.i2c.bus import LinuxBus
 
 
-class I2cDriver(DeviceDriver):
+class I2CDriver(DeviceDriver):
     """Feed a node with the samples of an ADXL345, whatever happens to its bus."""
 
     def __init__(self, node: ChainNode, configuration: Configuration) -> None:
@@ -28,4 +28,4 @@ class I2cDriver(DeviceDriver):
         self.read(f'adxl345 on /dev/i2c-{settings.bus}', sensor.session, settings.rate)
 
 
-DRIVER = I2cDriver
+DRIVER = I2CDriver
