@@ -225,8 +225,11 @@ class Iio:
 
     def _set_rate(self, files: Files) -> None:
         name = _first(files, 'in_accel_sampling_frequency', 'sampling_frequency')
-        if name is None:  # its trigger has the rate
-            return
+        if name is None:
+            trigger = self._trigger(files)
+            if trigger is None:  # whatever starts the conversions has a rate of its own
+                return
+            files, name = trigger, 'sampling_frequency'
         rate = self._settings.rate
         offered = {float(offer): offer for offer in files.offers(name)}
         near = _near(offered, rate, RATE_TOLERANCE)  # drivers compare, so 0.098 is not 0.0977
@@ -237,6 +240,16 @@ class Iio:
                 f'{files.name}: its {name} is {found:g} after {rate:g} was written; set '
                 f'driver.iio.rate to one of {", ".join(files.offers(name)) or f"{found:g}"}'
             )
+
+    def _trigger(self, files: Files) -> Files | None:
+        """Return the trigger that is set, if it has a rate, as timers have."""
+        name = 'trigger/current_trigger'
+        current = files.text(name) if files.has(name) else ''
+        for path in files.folder.parent.glob('trigger*/name'):
+            trigger = Files(path.parent)
+            if current and trigger.text('name') == current and trigger.has('sampling_frequency'):
+                return trigger
+        return None
 
     def _set_range(self, files: Files) -> str:
         """Choose the scale that spans the range: a count is the range over the counts it has."""

@@ -15,8 +15,9 @@ class IioSettings(Settings, prefix='driver.iio'):
         'adxl345', 'Name of the device, or its number N of iio:deviceN where several have the name'
     )
     rate: float = parameter(
-        100.0, 'Samples per second that the device is set to, or its trigger', unit='Hz',
-        minimum=0.01, maximum=100_000.0,
+        100.0,
+        'Samples per second, to which the device is set, or its trigger where that has the rate',
+        unit='Hz', minimum=0.01, maximum=100_000.0,
     )  # fmt: skip
     scale: float = parameter(
         0.0, 'Size of a count where in_accel_scale is wrong (docs/devices/adxl345.md); 0 for what '

@@ -1,17 +1,18 @@
 """smbus2 is asked for what a transfer is: one message written, one read, in one go."""
 
 import errno
+import subprocess
+import sys
 
 import pytest
-
-smbus2 = pytest.importorskip('smbus2')
-
-from dead_reckoning.sources.i2c.bus import LinuxBus  # noqa: E402
 
 
 @pytest.fixture
 def bus(monkeypatch):
     """Give a bus whose messages the test answers itself."""
+    smbus2 = pytest.importorskip('smbus2')
+    from dead_reckoning.sources.i2c.bus import LinuxBus
+
     done = []
 
     def rdwr(self, *messages):
@@ -43,6 +44,26 @@ def test_a_write_and_a_read_alone(bus):
 
 
 def test_a_bus_that_is_not_there_is_an_error_of_the_system():
+    pytest.importorskip('smbus2')
+    from dead_reckoning.sources.i2c.bus import LinuxBus
+
     with pytest.raises(OSError, match='i2c-250') as caught:
         LinuxBus(250)
     assert caught.value.errno == errno.ENOENT
+
+
+def test_without_smbus2_all_but_the_bus_works_and_the_bus_says_what_to_install():
+    program = """
+import sys
+sys.modules['smbus2'] = None  # what Python takes for a package that is not there
+from dead_reckoning.configuration import Configuration
+from dead_reckoning.core.errors import DependencyError
+import dead_reckoning.sources.i2c.adxl345, dead_reckoning.sources.i2c.hmc6352
+Configuration({'driver.source': 'i2c'})
+try:
+    import dead_reckoning.sources.i2c.bus
+except DependencyError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True)
+    assert 'python3-smbus2' in done.stdout, done.stderr

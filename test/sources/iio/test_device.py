@@ -253,6 +253,20 @@ def test_the_trigger_is_set(tree):
     assert tree.text('trigger/current_trigger') == 'hr0'
 
 
+def test_a_timer_that_starts_the_conversions_has_the_rate(tree):
+    (tree.folder / 'in_accel_sampling_frequency').unlink()
+    (tree.folder / 'trigger').mkdir()
+    (tree.folder / 'trigger/current_trigger').write_text('hr0\n')
+    for number, name in enumerate(['other', 'hr0']):
+        folder = tree.folder.parent / f'trigger{number}'
+        folder.mkdir()
+        (folder / 'name').write_text(f'{name}\n')
+        (folder / 'sampling_frequency').write_text('100.000\n')
+    next(session(tree, rate=200.0))
+    assert (tree.folder.parent / 'trigger1/sampling_frequency').read_text() == '200'
+    assert (tree.folder.parent / 'trigger0/sampling_frequency').read_text() == '100.000\n'
+
+
 def test_a_buffer_that_can_not_be_enabled_points_to_the_trigger(tree, monkeypatch):
     write_text = Path.write_text
 
