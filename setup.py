@@ -35,6 +35,7 @@ setup(
         'PyYAML',
         'rosbags',
         'scipy',
+        'smbus2',
     ],
     extras_require={'cluster': ['distributed'], 'test': ['hypothesis', 'pytest']},
     zip_safe=True,

@@ -26,6 +26,9 @@ from dead_reckoning.core.pipeline import PipelineSettings
 from dead_reckoning.sources import motions
 from dead_reckoning.sources.driver_settings import DriverSettings
 from dead_reckoning.sources.hand import HandSettings
+from dead_reckoning.sources.i2c.adxl345 import I2cSettings
+from dead_reckoning.sources.i2c.hmc6352 import Hmc6352Settings
+from dead_reckoning.sources.iio.settings import IioSettings
 from dead_reckoning.sources.serial import protocols
 from dead_reckoning.sources.serial.settings import SerialSettings
 from dead_reckoning.sources.simulated import SimulatedSettings
@@ -42,13 +45,15 @@ DRIVER = (
     SimulatedSettings,
     GyroSettings,
     HandSettings,
+    IioSettings,
+    I2cSettings,
     SerialSettings,
     *(protocols.decoder_class(name).Settings for name in protocols.names()),
     *(motions.motion_class(name).Settings for name in motions.names()),
 )
 """Parts of the accelerometer driver."""
 
-COMPASS = (CompassSettings, SimulatedCompassSettings)
+COMPASS = (CompassSettings, SimulatedCompassSettings, Hmc6352Settings)
 """Parts of the compass driver."""
 
 PEDOMETER = (

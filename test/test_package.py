@@ -25,6 +25,7 @@ IMPORTED_BY = {
     'python3-pytest': 'pytest',
     'python3-rosbags-pip': 'rosbags',
     'python3-serial': 'serial',
+    'python3-smbus2': 'smbus2',
     'python3-yaml': 'yaml',
     'tf2_ros_py': 'tf2_ros',
 }

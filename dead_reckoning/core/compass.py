@@ -20,7 +20,9 @@ from dead_reckoning.core.samples import (
 class CompassSettings(Settings, prefix='compass'):
     """A compass, and how well its headings are known."""
 
-    source: str = parameter('simulated', 'Where headings come from', choices=('simulated',))
+    source: str = parameter(
+        'simulated', 'Where headings come from', choices=('simulated', 'hmc6352')
+    )
     rate: float = parameter(
         20.0, 'Headings per second (HMC6352: 1, 5, 10 or 20)', unit='Hz',
         minimum=0.1, maximum=1000.0,

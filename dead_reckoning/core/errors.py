@@ -208,6 +208,10 @@ class HealthError(ReadingError):
     """A board says of itself that a part of it fails."""
 
 
+class OverrunError(ReadingError):
+    """The memory of a sensor ran over before it was read: samples are lost."""
+
+
 class PortError(DeadReckoningError):
     """A serial port can't be read; a subclass says why, where that is known."""
 
@@ -230,6 +234,38 @@ class LostPortError(PortError):
 
 class SilentPortError(PortError):
     """The serial port is open, and no reading comes from it."""
+
+
+class DeviceError(DeadReckoningError):
+    """A sensor on a bus or of the kernel can't be read; a subclass says why, where it is known."""
+
+
+class MissingDeviceError(DeviceError):
+    """There is no such device, or nothing answers at its address."""
+
+
+class DevicePermissionError(DeviceError):
+    """The device belongs to others."""
+
+
+class BusyDeviceError(DeviceError):
+    """Another program reads the device."""
+
+
+class WrongDeviceError(DeviceError):
+    """What answers is another device than was asked for."""
+
+
+class RefusedSettingError(DeviceError):
+    """The device does not take a rate, a range or a mode."""
+
+
+class LostDeviceError(DeviceError):
+    """The device went away while it was read, or lost its supply."""
+
+
+class SilentDeviceError(DeviceError):
+    """The device is there, and no reading comes from it."""
 
 
 class RecordingError(DeadReckoningError):

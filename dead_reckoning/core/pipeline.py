@@ -53,7 +53,7 @@ class PipelineSettings(Settings, prefix='pipeline'):
         'topic',
         'topic (imu/data_raw, or imu/data where gravity.attitude is message) or one of those of '
         'the driver',
-        choices=('topic', 'simulated', 'serial'),
+        choices=('topic', 'simulated', 'serial', 'iio', 'i2c'),
     )
     estimators: tuple[str, ...] = parameter(
         (INTEGRATOR,),

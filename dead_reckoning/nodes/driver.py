@@ -6,10 +6,13 @@ from collections.abc import Mapping
 from importlib import import_module
 
 from dead_reckoning.configuration import Configuration
+from dead_reckoning.core.errors import DeadReckoningError
 from dead_reckoning.core.front_end import Conversions
 from dead_reckoning.core.samples import ImuSample
 from dead_reckoning.core.stages import RAW
 from dead_reckoning.nodes.chain_node import ChainNode
+from dead_reckoning.nodes.devices import DeviceReader, Taken
+from dead_reckoning.sources.devices import Session
 from dead_reckoning.sources.driver import front_end
 from dead_reckoning.sources.driver_settings import DriverSettings
 
@@ -51,6 +54,21 @@ class Driver:
     def feed(self, sample: ImuSample) -> None:
         """Feed one sample."""
         self._node.feed(self._output, sample)
+
+
+class DeviceDriver(Driver):
+    """Feed a node with the samples of a device that a thread reads."""
+
+    def read(self, name: str, session: Session, rate: float) -> None:
+        """Begin to read, under a name for the user, so many readings a second [Hz]."""
+        DeviceReader(self._node, name, session, self._take, self._lose, 1.0 / rate)
+
+    def _take(self, taken: Taken) -> None:
+        if isinstance(taken, Conversions):
+            self.deliver(taken)
+
+    def _lose(self, _: DeadReckoningError) -> None:
+        self.front_end.interrupt()
 
 
 def driver_of(configuration: Configuration) -> type[Driver]:

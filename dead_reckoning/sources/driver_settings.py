@@ -16,7 +16,10 @@ class DriverSettings(Settings, prefix='driver'):
     """A sensor, its supply and its ADC, and how conversions become messages."""
 
     source: str = parameter(
-        'simulated', 'Where samples come from', choices=('simulated', 'serial')
+        'simulated',
+        'Where samples come from: a board (serial), a driver of the Linux kernel (iio), or an '
+        'ADXL345 on a bus (i2c)',
+        choices=('simulated', 'serial', 'iio', 'i2c'),
     )
     motion: str = parameter('slide', 'What the simulated sensor does', choices=motions.names())
     sensor: str = parameter('mma7260qt', 'Which sensor it is', choices=sensors.names())

@@ -60,7 +60,8 @@ PRESETS = (
         'mbed',
         'The mbed tutorial "Dead Reckoning": an ADXL345 at ±16 g and 3200 Hz, averaged to 100 Hz, '
         'distance along the heading of a compass, logged for 15 s. Run `pipeline` and '
-        '`compass_driver` with it; a vehicle of the simulator drives them in curves.',
+        '`compass_driver` with it; a vehicle of the simulator drives them in curves. '
+        'adxl345.yaml is for the real sensors.',
         {
             'driver.motion': 'vehicle',
             'driver.sensor': 'adxl345',
@@ -82,6 +83,26 @@ PRESETS = (
             'pipeline.log_csv': 'results.csv',
             'pipeline.duration': 15.0,
         },
+    ),
+    Preset(
+        'adxl345',
+        'A real ADXL345 on an I²C bus, at ±16 g and 100 Hz, with an HMC6352 compass beside it: '
+        'run `pipeline` and `compass_driver` with it (docs/devices/adxl345.md). As comments: the '
+        'sensor where a driver of the Linux kernel has it.',
+        {
+            'driver.source': 'i2c',
+            'driver.sensor': 'adxl345',
+            'driver.range_g': 16.0,
+            'driver.i2c.bus': 1,
+            'driver.i2c.address': 0x53,
+            'driver.i2c.rate': 100.0,
+            'compass.source': 'hmc6352',
+            'compass.hmc6352.bus': 1,
+            'gravity.attitude': 'rest',
+            'integrator.axes': ['x'],
+            'pipeline.source': 'i2c',
+        },
+        other={'driver.source': 'iio', 'pipeline.source': 'iio'},
     ),
     Preset(
         'an900',

@@ -112,9 +112,9 @@ def test_a_misspelt_key_stops_a_node_with_a_suggestion(start):
 
 
 def test_an_unknown_prefix_stops_a_node(start):
-    for node in [start(name, {'filter.rate': 30.0}) for name in NODES]:
+    for node in [start(name, {'filter.cutoff': 30.0}) for name in NODES]:
         line = complaint_of(node)
-        assert 'filter.rate: no such parameter' in line
+        assert 'filter.cutoff: no such parameter' in line
         for prefix in ('common', 'driver', 'frames', 'gravity', 'integrator', 'pipeline'):
             assert prefix in line
 

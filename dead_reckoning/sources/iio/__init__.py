@@ -1,0 +1,1 @@
+"""Accelerometers that a driver of the Linux kernel reads: industrial I/O."""
