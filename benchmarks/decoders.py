@@ -14,7 +14,7 @@ import time
 import tracemalloc
 from collections.abc import Iterable, Iterator
 from itertools import cycle, islice
-from typing import Any
+from math import inf
 
 import numpy as np
 
@@ -32,7 +32,7 @@ PERIOD = 0.01
 """Time [s] between two measurements of the board."""
 
 MEASUREMENTS = 2000
-"""How many different ones it sends."""
+"""How many different ones it takes."""
 
 TARGET = 100.0
 """Least speed, as a multiple of that of a line at the default baud."""
@@ -47,34 +47,34 @@ def random_pieces(count: int) -> Iterator[bytes]:
     return (random.bytes(PIECE) for _ in range(count // PIECE))
 
 
-def talking(name: str) -> tuple[Decoder, list[bytes]]:
-    """Return a decoder in the midst of its talk with its board, and what the board then sends."""
-    kind = protocols.decoder_class(name)
+def good_pieces(name: str, decoder: Decoder, count: int) -> Iterator[bytes]:
+    """Give about so many bytes that a board sends while it hears what the decoder says."""
+    kind, made = protocols.decoder_class(name), protocols.board_class(name)
     bits = {} if kind.BITS is None else {'driver.adc_bits': kind.BITS}
     configuration = Configuration(
         {'driver.motion': 'vehicle', 'driver.sample_rate': 1.0 / PERIOD, **bits}
     )
-    settings = configuration[kind.Settings]
-    board, decoder = protocols.board_class(name)(settings), kind(settings)
-    sensor = Sensor(configuration)
-    sent = []
-    for _ in range(MEASUREMENTS):
-        data = board.hear(decoder.due(PERIOD)) + board.measure(sensor.measure(0.0))
-        if any(isinstance(event, (Reading, Position)) for event in decoder.feed(data)):
-            sent.append(data)
-    if not decoder.POLLED:
-        joined = b''.join(sent)
-        sent = [joined[at : at + PIECE] for at in range(0, len(joined), PIECE)]
-    return decoder, sent
+    board, sensor = made(configuration[kind.Settings]), Sensor(configuration)
+    measurements = [sensor.measure(0.0) for _ in range(MEASUREMENTS)]
+    waited, sent, size = inf, b'', 0
+    for measurement in cycle(measurements):
+        told = decoder.due(waited)
+        waited = 0.0 if told else waited + PERIOD
+        sent += board.hear(told) + board.measure(measurement)
+        if told or len(sent) >= PIECE:
+            yield sent
+            size += len(sent)
+            sent = b''
+            if size >= count:
+                return
 
 
 def fed(decoder: Decoder, pieces: Iterable[bytes]) -> tuple[int, int, float]:
-    """Feed as the driver does; return bytes, readings and positions, and the time taken [s]."""
+    """Feed pieces; return bytes, readings and positions, and the time taken [s]."""
     size = found = 0
     spent = 0.0
     for piece in pieces:
         begin = time.perf_counter()
-        decoder.due(PERIOD)
         events = decoder.feed(piece)
         spent += time.perf_counter() - begin
         size += len(piece)
@@ -88,35 +88,30 @@ def held() -> int:
     return tracemalloc.get_traced_memory()[0]
 
 
-def growth(decoder: Decoder, pieces: list[bytes]) -> int:
-    """Return how many bytes more a decoder holds in the end than after a tenth of the pieces."""
-    tenth = len(pieces) // 10
-    tracemalloc.start()
-    try:
-        fed(decoder, pieces[:tenth])
-        before = held()
-        fed(decoder, pieces[tenth:])
-        return held() - before
-    finally:
-        tracemalloc.stop()
-
-
-def measured(name: str, what: str, count: int) -> tuple[Any, ...]:
+def measured(name: str, what: str, count: int) -> tuple[str, ...]:
     """Return a row of the table: its last cell says whether a target was missed."""
-    if what == 'random':
+
+    def fresh(part: int) -> tuple[Decoder, Iterator[bytes]]:
         kind = protocols.decoder_class(name)
         decoder = kind(kind.Settings())
-        pieces, fewer = random_pieces(count), list(random_pieces(count // 10))
-    else:
-        decoder, sent = talking(name)
-        whole = round(count / (sum(map(len, sent)) / len(sent)))
-        pieces, fewer = islice(cycle(sent), whole), list(islice(cycle(sent), whole // 10))
-    more = growth(decoder, fewer)
-    size, found, spent = fed(decoder, pieces)
+        if what == 'random':
+            return decoder, random_pieces(part)
+        return decoder, good_pieces(name, decoder, part)
+
+    size, found, spent = fed(*fresh(count))
+    decoder, pieces = fresh(count // 10)
+    tracemalloc.start()
+    try:
+        fed(decoder, islice(pieces, count // 100 // PIECE))
+        before = held()
+        fed(decoder, pieces)
+        more = held() - before
+    finally:
+        tracemalloc.stop()
     line = size * SerialSettings().byte_time / spent
     missed = line < TARGET or more > MOST_GROWTH
     return (
-        name, what, f'{size / 1e6:.0f} MB', f'{found}', f'{size / spent / 1e6:.1f} MB/s',
+        name, what, f'{size / 1e6:.1f} MB', f'{found}', f'{size / spent / 1e6:.1f} MB/s',
         f'{line:.0f}', f'{more / 1024:.1f} KiB', 'missed' if missed else '',
     )  # fmt: skip
 
@@ -133,7 +128,7 @@ def main() -> int:
     rows = [
         measured(name, what, size)
         for name in given.only
-        for what, size in (('random', count), ('good', count // 10))
+        for what, size in (('random', count), ('good', count // 50))
     ]
     print(table(head, rows))
     speed = 1e-3 / SerialSettings().byte_time

@@ -164,6 +164,39 @@ PRESETS = (
         other={'driver.serial.baud': 57_600},
     ),
     Preset(
+        'hex',
+        'A board with an MMA7260QT at ±1.5 g and 10 bits that sends lines AAAAXXXYYYZZZ: 4.0 mg a '
+        'count, three of them the window as in AN3397 (docs/devices/hex.md).',
+        {
+            'driver.source': 'serial',
+            'driver.sensor': 'mma7260qt',
+            'driver.range_g': 1.5,
+            'driver.adc_bits': 10,
+            'driver.serial.port': '/dev/ttyUSB0',
+            'driver.serial.baud': 115_200,
+            'driver.serial.protocol': 'hex',
+            'integrator.window_minimum': -0.119,
+            'integrator.window_maximum': 0.119,
+            'pipeline.source': 'serial',
+        },
+    ),
+    Preset(
+        'wockets',
+        'An MIT Wocket, an MMA7260QT at 10 bits worn somewhere on the body, over Bluetooth; its '
+        'range is not confirmed (docs/devices/wockets.md). Counts steps.',
+        {
+            'driver.source': 'serial',
+            'driver.sensor': 'mma7260qt',
+            'driver.range_g': 4.0,
+            'driver.adc_bits': 10,
+            'driver.serial.port': '/dev/rfcomm0',
+            'driver.serial.protocol': 'wockets',
+            'pedometer.method': 'rhythm',
+            'pipeline.source': 'serial',
+            'pipeline.estimators': ['pedometer'],
+        },
+    ),
+    Preset(
         'pedestrian',
         'Who walks with an IMU, anywhere on the body: a phone in a hand, a pocket or a bag, a '
         'sensor on a belt, a watch. Run `pedometer` or `pipeline` with it, or replay a recording. '
