@@ -282,7 +282,7 @@ def test_answers_beside_the_readings():
 
 
 def test_two_ranges_of_one_board_are_refused():
-    values = {'driver.serial.protocol': 'zstar', 'driver.range_g': 2.0}
+    values = {'driver.serial.protocol': 'zstar', 'driver.range_g': 2.0, 'driver.adc_bits': 8}
     with pytest.raises(SettingsError, match=r'driver\.serial\.zstar\.range_g.*1\.5.*2;'):
         serial_receiver(Configuration(values))
     serial_receiver(Configuration({**values, 'driver.serial.zstar.range_g': 2}))
