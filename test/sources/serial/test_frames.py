@@ -71,7 +71,7 @@ def sent_by(name, count):
     """Return what a board sends while it rests, a frame or an instant each."""
     board = board_class(name)(decoder_class(name).Settings())
     said = []
-    for k in range(100):
+    for k in range(2000):
         values = {'counts': (512.0, 512.0, 711.0), 'g': (0.0, 0.0, 1.0)}
         measured = Measurement(values, 0.01 * k, (0, 0, 0), (0, 0, 0, 1), (0, 0, 0))
         said.append(board.measure(measured))

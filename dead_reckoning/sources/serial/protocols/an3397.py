@@ -92,30 +92,38 @@ class An3397Decoder(Frames):
 class An3397Board:
     """Run the program of the document on the counts, of which it takes the low byte.
 
-    A measurement stands for the 64 conversions of an update; the first 16 of them, 1024
-    conversions at rest, are the zero of the program.
+    The first 1024 at rest are its zero; then each 64 make a position.
     """
+
+    RATE: ClassVar[float] = 6400.0
+    """Conversions a second: 64 within the 10 ms that the default metres are for."""
 
     def __init__(self, settings: An3397Settings) -> None:
         self._program = Positioning(shift=settings.shift, end_of_frame=settings.end_of_frame)
-        self._missing = CALIBRATED
-        self._x = self._y = 0
+        self._needed = CALIBRATED
+        self._taken = self._x = self._y = 0
+        self._calibrated = False
 
     def hear(self, data: bytes) -> bytes:
         """Take no notice."""
         return b''
 
     def measure(self, measurement: Measurement) -> bytes:
-        """Return a frame, nothing while the zero is found."""
-        x, y, _ = (AVERAGED * (round(count) & 0xFF) for count in measurement.values['counts'])
-        if not self._missing:
-            return self._program.update(x, y).frame
-        self._missing -= AVERAGED
-        self._x += x
-        self._y += y
-        if not self._missing:
-            self._program.calibrate(self._x, self._y)
-        return b''
+        """Return a frame after each 64 measurements, nothing after the others."""
+        x, y, _ = measurement.values['counts']
+        self._x += round(x) & 0xFF
+        self._y += round(y) & 0xFF
+        self._taken += 1
+        if self._taken < self._needed:
+            return b''
+        total_x, total_y = self._x, self._y
+        self._needed = AVERAGED
+        self._taken = self._x = self._y = 0
+        if not self._calibrated:
+            self._program.calibrate(total_x, total_y)
+            self._calibrated = True
+            return b''
+        return self._program.update(total_x, total_y).frame
 
 
 PROTOCOL, BOARD = An3397Decoder, An3397Board

@@ -69,29 +69,31 @@ def test_any_cut_of_frames_gives_what_was_sent(sent, cuts):
     assert [event.start for event in events] == [LENGTH * k for k in range(len(sent))]
 
 
-@pytest.mark.parametrize('counts_per_unit', [64, 1])
-def test_board_sends_what_the_program_of_the_document_does(counts_per_unit):
-    """A push forward and one back, with noise; a measurement is 64 conversions."""
-    random = np.random.default_rng(5)
-    counts = np.full((16 + 60, 2), 128.0) + random.normal(0.0, 0.4, (16 + 60, 2))
-    counts[16 + 10 : 16 + 20] += (12.0, -9.0)
-    counts[16 + 30 : 16 + 40] -= (12.0, -9.0)
-    counts = counts.round()
-    settings = An3397Settings(
-        metres_per_unit=float(counts_per_unit), counts_per_unit=counts_per_unit
-    )
-    board, read = An3397Board(settings), An3397Decoder(settings)
-    sent = [
+def sent_by(board, counts):
+    """Return what a board sends of counts of x and y, shape (n, 2), a piece for each."""
+    return [
         board.measure(
             Measurement({'counts': (x, y, 0.0)}, 0.0, (0, 0, 0), (0, 0, 0, 1), (0, 0, 0))
         )
         for x, y in counts.tolist()
     ]
-    conversions = counts.astype(np.int64).repeat(64, axis=0)
-    updates = an3397.run(conversions, shift=settings.shift)
-    assert sent == [b''] * 16 + [update.frame for update in updates]
+
+
+@pytest.mark.parametrize('counts_per_unit', [64, 1])
+def test_board_sends_what_the_program_of_the_document_does(counts_per_unit):
+    """A push forward and one back, with noise."""
+    counts = 128.0 + np.random.default_rng(5).normal(0.0, 1.5, (1024 + 64 * 60, 2))
+    counts[1024 + 640 : 1024 + 1280] += (12.0, -9.0)
+    counts[1024 + 1920 : 1024 + 2560] -= (12.0, -9.0)
+    counts = counts.round()
+    settings = An3397Settings(
+        metres_per_unit=float(counts_per_unit), counts_per_unit=counts_per_unit
+    )
+    sent = b''.join(sent_by(An3397Board(settings), counts))
+    updates = an3397.run(counts.astype(np.int64), shift=settings.shift)
+    assert sent == b''.join(update.frame for update in updates)
     assert len(updates) == 60
-    went = np.array(places(read.feed(b''.join(sent))))
+    went = np.array(places(An3397Decoder(settings).feed(sent)))
     if counts_per_unit == 64:
         program = np.array([(update.px, update.py) for update in updates])
         assert np.abs(went - program).max() < 64
@@ -100,19 +102,15 @@ def test_board_sends_what_the_program_of_the_document_does(counts_per_unit):
         assert np.abs(went).max() <= 128, 'the byte wraps after 128 counts'
 
 
-def test_default_metres_are_those_of_a_hundred_updates_a_second():
+def test_default_metres_are_those_of_the_rate_of_the_board():
     """1.1 m/s² for 0.35 s, half an update less by the trapezoid: a unit shows 1 mm."""
-    settings = An3397Settings()
-    board, read = An3397Board(settings), An3397Decoder(settings)
-    accelerations = [0.0] * 20 + [1.1] * 35
-    model = DriverSettings(adc_bits=8).model()
-    events = []
-    for force in accelerations:
-        counts = model.counts(model.output(np.array([[force, 0.0, 9.8]])))[0]
-        measured = Measurement({'counts': counts}, 0.0, (0, 0, 0), (0, 0, 0, 1), (0, 0, 0))
-        events += read.feed(board.measure(measured))
-    assert events[-1].x == pytest.approx(0.5 * 1.1 * 0.345**2, abs=0.0015)
-    assert events[-1].y == 0.0
+    settings, model = An3397Settings(), DriverSettings(adc_bits=8).model()
+    force = np.zeros((1024 + round(0.35 * An3397Board.RATE), 3))
+    force[1024:, 0] = 1.1
+    counts = model.counts(model.output(force))[:, :2]
+    *_, last = An3397Decoder(settings).feed(b''.join(sent_by(An3397Board(settings), counts)))
+    assert last.x == pytest.approx(0.5 * 1.1 * 0.345**2, abs=0.0015)
+    assert last.y == 0.0
 
 
 def test_end_of_frame_is_a_setting():
