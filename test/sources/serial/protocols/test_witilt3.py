@@ -1,5 +1,6 @@
 """WiTilt v3: started through its menu, framed, counted."""
 
+import pickle
 from math import inf
 
 import pytest
@@ -278,3 +279,33 @@ def test_the_board_counts_from_1_and_leaves_out_0a():
     sent = [board.measure(measured((-3.0, 2000.0, 511.5), (9.0, 1.0, 9.0))) for _ in range(12)]
     assert [data[3] for data in sent] == [1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13]
     assert sent[0][4:] == b'\x00\x00\x03\xff\x02\x00\x02\xbc\x02\x64$'
+
+
+pieces = st.lists(
+    st.binary(max_size=6)
+    | st.sampled_from(
+        [
+            *stream(1, 4),
+            *stream(0x233F, 0x2341),
+            frame(0x2340, 0x23, 0x40, 0x24, 0x223),
+            *(b'#', b'#@', b'$', b'm' * 600),
+            *(b'Sensor Range (2g)', b'Range (1.5g)', b'Range (1.2.g)'),
+        ]
+    ),
+    max_size=30,
+)
+
+
+@given(pieces, st.lists(st.integers(1, 40), min_size=1, max_size=5))
+def test_a_disturbed_stream_gives_the_same_however_it_is_cut(parts, sizes):
+    data = b''.join(parts)
+    whole, cut = decoder(), decoder()
+    wanted = whole.feed(data)
+    events, at = [], 0
+    for size in sizes * (len(data) + 1):
+        events += cut.feed(data[at : at + size])
+        at += size
+        assert len(pickle.dumps(cut)) < 2048
+        if at >= len(data):
+            break
+    assert list(map(repr, events)) == list(map(repr, wanted))

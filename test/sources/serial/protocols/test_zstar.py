@@ -1,5 +1,6 @@
 """ZSTAR: greeted, set to its range and polled, whatever happens on the way."""
 
+import pickle
 from dataclasses import fields
 from math import inf
 
@@ -287,3 +288,32 @@ def test_two_ranges_of_one_board_are_refused():
         serial_receiver(Configuration(values))
     serial_receiver(Configuration({**values, 'driver.serial.zstar.range_g': 2}))
     assert 'range_g' in {field.name for field in fields(ZstarSettings)}
+
+
+@given(
+    st.lists(
+        st.lists(
+            st.binary(max_size=12)
+            | st.sampled_from(
+                [b'N', b'0', b'\0', b'x\x80y\x81z\xbeb\0', b'x\x80y\x81', b'x' * 30]
+            ),
+            max_size=4,
+        ),
+        max_size=12,
+    ),
+    st.integers(1, 20),
+)
+def test_answers_give_the_same_however_they_are_cut(answers, size):
+    whole, cut = (ZstarDecoder(ZstarSettings()) for _ in range(2))
+    for decoder in (whole, cut):
+        for answer in (b'N', b'0'):
+            decoder.due(inf)
+            decoder.feed(answer)
+    for parts in answers:
+        assert cut.due(inf) == whole.due(inf)
+        data = b''.join(parts)
+        events = []
+        for at in range(0, len(data), size):
+            events += cut.feed(data[at : at + size])
+        assert list(map(repr, events)) == list(map(repr, whole.feed(data)))
+        assert len(pickle.dumps(cut)) < 2048
