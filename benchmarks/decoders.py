@@ -1,6 +1,6 @@
 """How fast protocols are read, beside the line they come over: ``python -m benchmarks.decoders``.
 
-Each decoder reads random bytes, and what its board sends of a simulated walk, over and over, in
+Each decoder reads random bytes, and what its board sends on a simulated drive, over and over, in
 pieces as a port gives them; one that polls, answer by answer.  Growth is what it holds more at the
 end than after the first tenth, with another tenth of the bytes.
 """
@@ -13,6 +13,7 @@ import sys
 import time
 import tracemalloc
 from collections.abc import Iterable, Iterator
+from functools import cache
 from itertools import cycle, islice
 from math import inf
 
@@ -21,7 +22,7 @@ import numpy as np
 from benchmarks.accuracy.report import table
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.sources.serial import protocols
-from dead_reckoning.sources.serial.protocols import Decoder, Position, Reading
+from dead_reckoning.sources.serial.protocols import Decoder, Measurement, Position, Reading
 from dead_reckoning.sources.serial.settings import SerialSettings
 from dead_reckoning.tools.emulate.emulator import Sensor
 
@@ -47,17 +48,19 @@ def random_pieces(count: int) -> Iterator[bytes]:
     return (random.bytes(PIECE) for _ in range(count // PIECE))
 
 
+@cache
+def measurements(bits: int | None) -> list[Measurement]:
+    """Return what a sensor measures on its way, behind an ADC of so many bits."""
+    values = {'driver.motion': 'vehicle', 'driver.sample_rate': 1.0 / PERIOD}
+    sensor = Sensor(Configuration(values if bits is None else {**values, 'driver.adc_bits': bits}))
+    return [sensor.measure(0.0) for _ in range(MEASUREMENTS)]
+
+
 def good_pieces(name: str, decoder: Decoder, count: int) -> Iterator[bytes]:
     """Give about so many bytes that a board sends while it hears what the decoder says."""
-    kind, made = protocols.decoder_class(name), protocols.board_class(name)
-    bits = {} if kind.BITS is None else {'driver.adc_bits': kind.BITS}
-    configuration = Configuration(
-        {'driver.motion': 'vehicle', 'driver.sample_rate': 1.0 / PERIOD, **bits}
-    )
-    board, sensor = made(configuration[kind.Settings]), Sensor(configuration)
-    measurements = [sensor.measure(0.0) for _ in range(MEASUREMENTS)]
+    board = protocols.board_class(name)(protocols.decoder_class(name).Settings())
     waited, sent, size = inf, b'', 0
-    for measurement in cycle(measurements):
+    for measurement in cycle(measurements(protocols.decoder_class(name).BITS)):
         told = decoder.due(waited)
         waited = 0.0 if told else waited + PERIOD
         sent += board.hear(told) + board.measure(measurement)

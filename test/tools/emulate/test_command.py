@@ -122,8 +122,9 @@ def test_what_was_measured_is_read(name):
         runs = np.lib.stride_tricks.sliding_window_view(true, len(found), axis=0)
         off = np.abs(runs.swapaxes(1, 2) - found).max(axis=(1, 2))
         assert off.min() <= CLOSE
-    kinds = {type(event) for event in events}
-    assert kinds <= {Reading, Position, CutError}
+    damaged = [event for event in events if not isinstance(event, (Reading, Position, CutError))]
+    # Where this machine stalls amid an answer, who polls rightly takes it for a damaged one.
+    assert len(damaged) <= (3 if decoder.POLLED else 0)
 
 
 @pytest.mark.parametrize('name', NAMES)
