@@ -93,8 +93,8 @@ class WocketsDecoder(Decoder):
 
 _CUT = CutError('a frame without its beginning or its end, where the port was opened or lost')
 _NO_FRAME = FrameError(
-    'bytes that are no frame of a Wocket: is driver.serial.protocol or baud another, '
-    'or the line disturbed?'
+    'bytes that are no frame of a Wocket: is driver.serial.protocol another, or '
+    'driver.serial.baud, or is the line disturbed?'
 )
 
 
