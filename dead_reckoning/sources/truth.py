@@ -20,7 +20,7 @@ def true_states(
     """Return where the body is at each stamp; ``rot_wt``, shape (3, 3), takes the table into w."""
     truth = motion.at((np.array(stamps_ns) - start_ns) / NANOSECONDS)
     turns = truth.angular_velocity
-    moves = truth.velocity.any(axis=1) | turns.any(axis=1)
+    moves: NDArray[np.bool_] = np.logical_or.reduce(np.hstack((truth.velocity, turns)), axis=1)
     return [
         NavigationState(
             stamp_ns,
