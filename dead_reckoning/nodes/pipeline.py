@@ -46,12 +46,6 @@ class PipelineNode(ChainNode):
         pipeline = Pipeline(
             self.configuration, self._ending(settings), mountings(self, self.frames)
         )
-        if not from_topic and IMU in pipeline.inputs:
-            raise SettingsError(
-                f'pipeline.source: {settings.source!r} gives imu/data_raw, and imu/data comes '
-                'from nowhere; set gravity.attitude to rest or estimate, or pedometer.input and '
-                'navigator.input, as far as they are used, to imu/data_raw'
-            )
         inputs = [name for name in pipeline.inputs if from_topic or name in BESIDE]
         between = list(pipeline.between)
         driver = None if from_topic else driver_of(self.configuration)

@@ -182,13 +182,13 @@ class Ros:
 
     def end_all(self) -> None:
         """End all processes that still run: each with status 0 and without a traceback."""
-        for process in self._started:
-            assert process.running or process.ended, f'{process.name} ended: {process.stderr}'
         running = [process for process in self._started if process.running]
         for process in running:
             process.process.send_signal(signal.SIGINT)
         for process in running:
             process.wait()
+        for process in self._started:
+            assert process in running or process.ended, f'{process.name} ended: {process.stderr}'
         for process in running:
             assert process.process.returncode == 0, process.stderr
             assert 'Traceback' not in process.stderr
