@@ -182,7 +182,8 @@ class Sysfs(Link):
             )
         if failure.errno in (errno.EACCES, errno.EPERM):
             return DevicePermissionError(
-                f'{failure.filename}: this user may not use it; give it to a group by a udev rule '
+                f'{failure.filename}: this user may not use it; install the udev rules '
+                '99-dead-reckoning.rules, then `sudo usermod -aG dialout $USER` and log in again '
                 '(docs/devices/hmc6352.md)'
             )
         return LostDeviceError(f'{self.name}: the compass does not answer ({failure})')
@@ -266,8 +267,8 @@ class Hmc6352:
 
     def _calibrate(self, link: Link, wait: Wait) -> Events:
         """Let the compass learn while someone turns it; however that ends, it leaves the mode."""
-        self._entered = True
         link.calibrating(True)
+        self._entered = True
         try:
             end = 0.0
             while self._asked.is_set() or end > time.monotonic():

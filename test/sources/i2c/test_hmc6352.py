@@ -216,6 +216,20 @@ def test_sysfs_calibration_writes_1_then_0(world, folder):
     assert (folder / 'calibration').read_text() == '0'
 
 
+def test_a_calibration_that_may_not_be_entered_costs_no_more_than_itself(world, folder):
+    """As where the file belongs to root: everybody may read the heading beside it."""
+    bench = Bench(world, folder)
+    session = bench.session()
+    next(session)
+    (folder / 'calibration').unlink()
+    (folder / 'calibration').mkdir()
+    bench.compass.calibrate()
+    with pytest.raises(LostDeviceError):
+        list(islice(session, 10))
+    bench.compass.abandon()
+    assert len(some(bench.session(), 3)) == 3
+
+
 def test_sysfs_without_a_compass_says_how_to_get_one(world, tmp_path):
     with pytest.raises(MissingDeviceError, match='new_device'):
         next(Bench(world, tmp_path / 'nothing').session())
