@@ -177,7 +177,7 @@ class Sysfs(Link):
         if failure.errno in (errno.ENOENT, errno.ENODEV, errno.ENOTDIR):
             return MissingDeviceError(
                 f'{self.name}: there is no compass; load the module hmc6352, tell the bus of it '
-                '(`echo hmc6352 0x21 > /sys/bus/i2c/devices/i2c-1/new_device`), or set '
+                '(`echo hmc6352 0x21 | sudo tee /sys/bus/i2c/devices/i2c-1/new_device`), or set '
                 'compass.hmc6352.folder'
             )
         if failure.errno in (errno.EACCES, errno.EPERM):
