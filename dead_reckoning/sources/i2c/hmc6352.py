@@ -280,6 +280,7 @@ class Hmc6352:
         finally:
             link.calibrating(False)
             self._entered = False
+        link.set_up()  # nothing was read meanwhile: it may have lost its supply, and its mode
         yield Calibration(
             f'calibrated for {self._calibration_time:g} s: it keeps what it has learnt of '
             'the iron nearby; check the headings'

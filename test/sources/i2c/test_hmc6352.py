@@ -179,6 +179,17 @@ def test_a_compass_lost_amid_the_calibration_goes_on_as_before(world):
     assert len(some(bench.session(), 3)) == 3
 
 
+def test_a_supply_lost_and_back_amid_the_calibration_leaves_the_mode_as_set(world):
+    bench = Bench(world)
+    session = bench.session()
+    next(session)
+    bench.compass.calibrate()
+    next(session)
+    bench.model.ram[0x74], bench.model.calibrating = 0x50, False
+    assert len(some(session, 3)) == 3
+    assert bench.model.ram[0x74] == 0x72
+
+
 def test_a_rate_it_does_not_have_is_refused(world):
     with pytest.raises(SettingsError, match=r'compass.rate: 15 .* 1, 5, 10 or 20'):
         Bench(world, rate=15.0)
