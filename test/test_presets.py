@@ -14,6 +14,7 @@ from benchmarks.accuracy.trunk_walks import MMA7260QT, walked
 from dead_reckoning.configuration import Configuration
 from dead_reckoning.core.blocks import StateBlock
 from dead_reckoning.core.compass import Compass, CompassSettings
+from dead_reckoning.core.front_end import Conversions
 from dead_reckoning.core.integration.settings import IntegratorSettings
 from dead_reckoning.core.pipeline import Pipeline, PipelineSettings
 from dead_reckoning.core.rest import GRAVITY
@@ -144,6 +145,20 @@ def test_imu6dof4_is_levelled_by_its_gyroscopes():
             states += [value for name, value in chain.push(RAW, sample) if name == ODOMETRY]
     assert states[-1].stationary
     assert np.linalg.norm(states[-1].position - np.array([1.0, 0.0, 0.0])) < 0.05
+
+
+def test_adxl345_follows_a_slide_in_counts_of_the_sensor():
+    """At ±16 g with a count of noise: 1 m within 5 cm, and then it rests."""
+    configuration = Configuration.load(CONFIG / 'adxl345.yaml')
+    forces = np.column_stack([SPEEDING / GRAVITY, 0.0 * TIME, np.ones_like(TIME)])
+    counts = np.rint(256.0 * forces + np.random.default_rng(3).normal(0.0, 1.0, forces.shape))
+    conversions = Conversions(START_NS + np.rint(TIME * 1e9).astype(np.int64), counts)
+    chain, states = Pipeline(configuration).chain, []
+    for sample in front_end(configuration).add(conversions):
+        states += [value for name, value in chain.push(RAW, sample) if name == ODOMETRY]
+    assert states[-1].stationary
+    assert states[-1].position[0] == pytest.approx(1.0, abs=0.05)
+    assert states[-1].position[1] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_an3397_window_is_three_counts():

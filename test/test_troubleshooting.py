@@ -33,3 +33,10 @@ def test_they_are_found():
     assert len(KEYS) > 8
     standing = (errors.SilentInputError, errors.MismatchError, errors.ClockError)
     assert {kind.__name__ for kind in standing} <= set(ERRORS)
+
+
+@pytest.mark.parametrize(
+    'family', [errors.PortError, errors.DeviceError, errors.ReadingError], ids=lambda f: f.__name__
+)
+def test_all_that_a_sensor_may_suffer_is_there(family):
+    assert {kind.__name__ for kind in family.__subclasses__()} <= set(ERRORS)

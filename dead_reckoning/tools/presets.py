@@ -125,7 +125,8 @@ PRESETS = (
     Preset(
         'zstar',
         'A Freescale ZSTAR (RD3152MMA7260Q), polled through its USB stick: 8 bits at ±1.5 g, '
-        '16.1 mg a count, three of them the window as in AN3397 (docs/devices/zstar.md). Another '
+        '16.1 mg a count, three of them the window as in AN3397 (docs/devices/zstar.md). As '
+        'comments: a ZSTAR3, with a window of three times the noise of a reading. Another '
         'range goes into both range_g.',
         {
             'driver.source': 'serial',
@@ -140,6 +141,12 @@ PRESETS = (
             'integrator.window_minimum': -0.474,
             'integrator.window_maximum': 0.474,
             'pipeline.source': 'serial',
+        },
+        other={
+            'driver.adc_bits': 16,
+            'driver.serial.protocol': 'zstar3',
+            'integrator.window_minimum': -0.173,
+            'integrator.window_maximum': 0.173,
         },
     ),
     Preset(

@@ -62,7 +62,7 @@ class I2cDevice:
             )
         if failure.errno in (errno.EACCES, errno.EPERM):
             return DevicePermissionError(
-                f'{path}: this user may not open it; `sudo usermod -aG i2c $USER`, then log in '
-                'again'
+                f'{path}: this user may not open it; `sudo usermod -aG i2c $USER`, or the group '
+                f'that `ls -l {path}` shows, then log in again'
             )
         return DeviceError(f'{path}: it can not be opened ({failure})')

@@ -177,12 +177,13 @@ class Sysfs(Link):
         if failure.errno in (errno.ENOENT, errno.ENODEV, errno.ENOTDIR):
             return MissingDeviceError(
                 f'{self.name}: there is no compass; load the module hmc6352, tell the bus of it '
-                '(`echo hmc6352 0x21 > /sys/bus/i2c/devices/i2c-1/new_device`), or set '
+                '(`echo hmc6352 0x21 | sudo tee /sys/bus/i2c/devices/i2c-1/new_device`), or set '
                 'compass.hmc6352.folder'
             )
         if failure.errno in (errno.EACCES, errno.EPERM):
             return DevicePermissionError(
-                f'{failure.filename}: this user may not use it; give it to a group by a udev rule '
+                f'{failure.filename}: this user may not use it; install the udev rules '
+                '99-dead-reckoning.rules, then `sudo usermod -aG dialout $USER` and log in again '
                 '(docs/devices/hmc6352.md)'
             )
         return LostDeviceError(f'{self.name}: the compass does not answer ({failure})')
@@ -266,8 +267,8 @@ class Hmc6352:
 
     def _calibrate(self, link: Link, wait: Wait) -> Events:
         """Let the compass learn while someone turns it; however that ends, it leaves the mode."""
-        self._entered = True
         link.calibrating(True)
+        self._entered = True
         try:
             end = 0.0
             while self._asked.is_set() or end > time.monotonic():
@@ -279,6 +280,7 @@ class Hmc6352:
         finally:
             link.calibrating(False)
             self._entered = False
+        link.set_up()  # nothing was read meanwhile: it may have lost its supply, and its mode
         yield Calibration(
             f'calibrated for {self._calibration_time:g} s: it keeps what it has learnt of '
             'the iron nearby; check the headings'

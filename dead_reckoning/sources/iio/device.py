@@ -120,6 +120,7 @@ class Iio:
             try:
                 more = os.read(device, self._settings.buffer_length * layout.size)
             except BlockingIOError:  # less than the watermark of the buffer
+                yield None
                 continue
             if not more:
                 raise LostDeviceError(
@@ -260,7 +261,10 @@ class Iio:
                 'driver.iio.device'
             )
         if not files.has('scan_elements/in_accel_x_type'):
-            return f'it does not tell its range, which is taken for ±{self._model.range_g:g} g'
+            return (
+                f'it does not tell its range, which is taken for ±{self._model.range_g:g} g: see '
+                'that driver.range_g is what its driver sets (docs/devices/adxl345.md)'
+            )
         counts = 2.0 ** (Element.parse(files.text('scan_elements/in_accel_x_type')).bits - 1)
         wanted = self._model.range_g
         spans = {float(scale) * counts / GRAVITY: scale for scale in files.offers(name)}

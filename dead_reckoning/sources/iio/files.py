@@ -41,9 +41,14 @@ class Files:
             raise WrongDeviceError(f'{self.folder}/{name} holds no number: {text!r}') from error
 
     def offers(self, name: str) -> list[str]:
-        """Return the values that a file can have, in order, as far as they are listed."""
-        name = f'{name}_available'
-        return self.text(name).split() if self.has(name) and '[' not in self.text(name) else []
+        """Return the values that a file can have, in order, as far as they are listed.
+
+        The list may be that of the whole device: older drivers have one of rates only so.
+        """
+        for listed in (f'{name}_available', f'{name.removeprefix("in_accel_")}_available'):
+            if self.has(listed) and '[' not in (text := self.text(listed)):
+                return text.split()
+        return []
 
     def write(self, name: str, value: str, key: str) -> None:
         """Write a value that the parameter ``key`` asks for; raises `RefusedSettingError`."""
@@ -68,7 +73,8 @@ def explained(device: str) -> Iterator[None]:
         what = f'{device}: {failure.filename or "it"}'
         if failure.errno in (errno.EACCES, errno.EPERM):
             raise DevicePermissionError(
-                f'{what}: this user may not use it; give it to a group by a udev rule '
+                f'{what}: this user may not use it; install the udev rules '
+                '99-dead-reckoning.rules, then `sudo usermod -aG dialout $USER` and log in again '
                 '(docs/devices/adxl345.md)'
             ) from failure
         if failure.errno == errno.EBUSY:

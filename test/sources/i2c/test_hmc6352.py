@@ -179,6 +179,17 @@ def test_a_compass_lost_amid_the_calibration_goes_on_as_before(world):
     assert len(some(bench.session(), 3)) == 3
 
 
+def test_a_supply_lost_and_back_amid_the_calibration_leaves_the_mode_as_set(world):
+    bench = Bench(world)
+    session = bench.session()
+    next(session)
+    bench.compass.calibrate()
+    next(session)
+    bench.model.ram[0x74], bench.model.calibrating = 0x50, False
+    assert len(some(session, 3)) == 3
+    assert bench.model.ram[0x74] == 0x72
+
+
 def test_a_rate_it_does_not_have_is_refused(world):
     with pytest.raises(SettingsError, match=r'compass.rate: 15 .* 1, 5, 10 or 20'):
         Bench(world, rate=15.0)
@@ -214,6 +225,20 @@ def test_sysfs_calibration_writes_1_then_0(world, folder):
         pass
     assert 'calibrated' in event.said
     assert (folder / 'calibration').read_text() == '0'
+
+
+def test_a_calibration_that_may_not_be_entered_costs_no_more_than_itself(world, folder):
+    """As where the file belongs to root: everybody may read the heading beside it."""
+    bench = Bench(world, folder)
+    session = bench.session()
+    next(session)
+    (folder / 'calibration').unlink()
+    (folder / 'calibration').mkdir()
+    bench.compass.calibrate()
+    with pytest.raises(LostDeviceError):
+        list(islice(session, 10))
+    bench.compass.abandon()
+    assert len(some(bench.session(), 3)) == 3
 
 
 def test_sysfs_without_a_compass_says_how_to_get_one(world, tmp_path):

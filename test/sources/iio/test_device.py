@@ -191,6 +191,18 @@ def test_a_rate_that_is_refused_names_those_there_are(tree, monkeypatch):
     assert not tree.enabled
 
 
+def test_rates_that_are_listed_for_the_whole_device_count_too(bare, monkeypatch):
+    """As by the ADXL345's driver in the kernels without its buffer."""
+    name = 'sampling_frequency_available'
+    (bare.folder / f'in_accel_{name}').rename(bare.folder / name)
+    (bare.folder / name).write_text('0.09765625 50 100')
+    next(session(bare, rate=0.0977))
+    assert bare.text('in_accel_sampling_frequency') == '0.09765625'
+    patch_write(monkeypatch, 'sampling_frequency', errno.EINVAL)
+    with pytest.raises(RefusedSettingError, match=r'one of 0.09765625, 50, 100$'):
+        next(session(bare, rate=90.0))
+
+
 def test_a_rate_is_written_as_the_device_writes_it(tree):
     """The kernel compares: 0.09765625 is none of the rates of its ADXL345, 0.097 is."""
     offers = '0.097000 12.500000 100.000000'
@@ -283,7 +295,7 @@ def test_a_buffer_that_can_not_be_enabled_points_to_the_trigger(tree, monkeypatc
 @pytest.mark.parametrize(
     ('number', 'error', 'named'),
     [
-        (errno.EACCES, DevicePermissionError, 'udev rule'),
+        (errno.EACCES, DevicePermissionError, '99-dead-reckoning.rules'),
         (errno.EBUSY, BusyDeviceError, 'fuser'),
         (errno.ENODEV, LostDeviceError, 'gone'),
     ],
