@@ -53,7 +53,7 @@ class BoardClock:
     Xia, INFOCOM 2002).  The smallest delay there is can't be seen, and stays in the stamps.
 
     The unit of the clock does not matter, nor do readings that got lost.  Until the fit stands
-    stamps are arrivals, and none is ever later than that.  Where it changes, two stamps keep at
+    stamps are arrivals, as where those are before the line.  Where it changes, two stamps keep at
     least half of their distance by the clock.  A reading is fitted once the next one follows on
     it: one whose clock was disturbed on the wire is stamped when it arrived, and changes nothing.
     It starts anew where two readings go back by the clock or do not fit, where the arrivals go
