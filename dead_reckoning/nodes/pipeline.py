@@ -21,9 +21,10 @@ from dead_reckoning.nodes.transforms import mountings
 from dead_reckoning.tables import OdometryLog, stop_after
 
 _REMEDIES = {
-    RAW: "gravity.attitude: 'rest' or 'estimate', navigator.input and pedometer.input: "
-    "'imu/data_raw' take that",
-    IMU: "gravity.attitude: 'message', navigator.input and pedometer.input: 'imu/data' take that",
+    RAW: "set gravity.attitude to 'rest' or 'estimate', or navigator.input and pedometer.input, "
+    "as far as they are used, to 'imu/data_raw'",
+    IMU: "set gravity.attitude to 'message', or navigator.input and pedometer.input, as far as "
+    "they are used, to 'imu/data'",
 }
 _NO_REMEDY = 'it is no Imu: leave it to accelerometer_driver'
 
@@ -46,12 +47,6 @@ class PipelineNode(ChainNode):
         pipeline = Pipeline(
             self.configuration, self._ending(settings), mountings(self, self.frames)
         )
-        if not from_topic and IMU in pipeline.inputs:
-            raise SettingsError(
-                f'pipeline.source: {settings.source!r} gives imu/data_raw, and imu/data comes '
-                'from nowhere; set gravity.attitude to rest or estimate, or pedometer.input and '
-                'navigator.input, as far as they are used, to imu/data_raw'
-            )
         inputs = [name for name in pipeline.inputs if from_topic or name in BESIDE]
         between = list(pipeline.between)
         driver = None if from_topic else driver_of(self.configuration)

@@ -132,7 +132,7 @@ def test_own_sensor_that_can_not_give_what_is_counted_on_is_refused(ros):
     settings = ('--params-file', str(file), '-p', 'pipeline.source:=simulated')
     node = ros.start('pipeline', None, *settings)
     assert node.wait() == 2
-    assert 'imu/data comes from nowhere' in node.stderr
+    assert 'gives imu/data_raw, and the estimators take imu/data;' in node.stderr
     ros.start('pipeline', None, *settings, '-p', 'pedometer.input:=imu/data_raw')
     assert ros.record('pedometer/steps', UInt32, LATCHED).wait(1)[0].data == 0
 
