@@ -21,9 +21,10 @@ from dead_reckoning.nodes.transforms import mountings
 from dead_reckoning.tables import OdometryLog, stop_after
 
 _REMEDIES = {
-    RAW: "gravity.attitude: 'rest' or 'estimate', navigator.input and pedometer.input: "
-    "'imu/data_raw' take that",
-    IMU: "gravity.attitude: 'message', navigator.input and pedometer.input: 'imu/data' take that",
+    RAW: "set gravity.attitude to 'rest' or 'estimate', or navigator.input and pedometer.input, "
+    "as far as they are used, to 'imu/data_raw'",
+    IMU: "set gravity.attitude to 'message', or navigator.input and pedometer.input, as far as "
+    "they are used, to 'imu/data'",
 }
 _NO_REMEDY = 'it is no Imu: leave it to accelerometer_driver'
 

@@ -117,7 +117,7 @@ def test_the_pipeline_goes_on_from_that_attitude_or_says_what_to_set(
     assert refused.wait() == 2
     (said,) = refused.stderr.splitlines()
     assert 'gives imu/data, and the estimators take imu/data_raw' in said
-    assert "gravity.attitude: 'message'" in said
+    assert "gravity.attitude to 'message'" in said
 
 
 def test_positions_go_out_as_odometry_and_to_no_estimator(

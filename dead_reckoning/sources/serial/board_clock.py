@@ -53,14 +53,18 @@ class BoardClock:
     Xia, INFOCOM 2002).  The smallest delay there is can't be seen, and stays in the stamps.
 
     The unit of the clock does not matter, nor do readings that got lost.  Until the fit stands
-    stamps are arrivals.  Where it changes, two stamps keep at least half of their distance by the
-    clock.  It starts anew where the clock or the arrivals go back, after a gap, and where the two
-    do not fit any more.  It keeps a bounded number of points.
+    stamps are arrivals, as where those are before the line.  Where it changes, two stamps keep at
+    least half of their distance by the clock.  A reading is fitted once the next one follows on
+    it: one whose clock was disturbed on the wire is stamped when it arrived, and changes nothing.
+    It starts anew where two readings go back by the clock or do not fit, where the arrivals go
+    back, and after a gap.  It keeps a bounded number of points.
     """
 
     def __init__(self) -> None:
         self.restarts = -1
         """How often it started anew."""
+        self.doubted = False
+        """Whether the clock of the last reading does not fit."""
         self.restart()
 
     def restart(self) -> None:
@@ -71,6 +75,9 @@ class BoardClock:
         self._count = 0
         self._last: Point = (0.0, 0.0)
         self._last_stamp = 0.0
+        self._newest: Point = (0.0, 0.0)
+        self._newest_stamp = 0.0
+        self.doubted = False
         self._line: Line | None = None
         self._next_fit = SETTLED
         self._lowest = JUMP
@@ -91,15 +98,16 @@ class BoardClock:
         if self._origin is None:
             self._origin = (clock, arrival_ns)
         at, arrival = self._since_origin(clock, arrival_ns)
-        if self._count == 0 or at > self._last[0]:
-            self._take((at, arrival))
+        newest = self._newest
+        if newest[0] < at and (self._count == 0 or newest[0] > self._last[0]):
+            self._take(newest)
+            self._last, self._last_stamp = newest, self._newest_stamp
         stamp = arrival
-        if self._line is not None:
+        if self._line is not None and not self.doubted:
             offset, rate = self._line
-            stamp = offset + rate * at
-            if self._count > 1:
-                stamp = max(stamp, self._last_stamp + 0.5 * rate * (at - self._last[0]))
-        self._last, self._last_stamp = (at, arrival), stamp
+            least = self._last_stamp + 0.5 * rate * (at - self._last[0])
+            stamp = max(min(offset + rate * at, arrival), least)
+        self._newest, self._newest_stamp = (at, arrival), stamp
         return self._origin[1] + round(stamp)
 
     def _since_origin(self, clock: float, arrival_ns: int) -> Point:
@@ -107,23 +115,25 @@ class BoardClock:
         return clock - self._origin[0], float(arrival_ns - self._origin[1])
 
     def _follows(self, at: float, arrival: float) -> bool:
-        """Say whether a reading belongs to the fit."""
-        last_at, last_arrival = self._last
-        interval = last_arrival / max(1, self._count - 1)
-        if not (
-            at >= last_at and -JUMP <= arrival - last_arrival <= max(GAP, GAP_INTERVALS * interval)
-        ):
+        """Say whether a reading belongs to the fit, or is the first one that does not."""
+        interval = self._newest[1] / max(1, self._count)
+        pause = arrival - self._newest[1]
+        if not -JUMP <= pause <= max(GAP, GAP_INTERVALS * interval):
             return False
-        if self._line is None:
-            return True
-        offset, rate = self._line
-        delay = arrival - offset - rate * at
-        if arrival >= self._watched_until:
-            if self._lowest > JUMP and self._watched_until > 0.0:
-                return False
-            self._watched_until, self._lowest = arrival + NANOSECONDS, delay
-        self._lowest = min(self._lowest, delay)
-        return delay >= -JUMP
+        delay = 0.0
+        if self._line is not None:
+            offset, rate = self._line
+            delay = arrival - offset - rate * at
+        doubted, self.doubted = self.doubted, at < self._last[0] or delay < -JUMP
+        if self.doubted:
+            return not doubted
+        if self._line is not None:
+            if arrival >= self._watched_until:
+                if self._lowest > JUMP and self._watched_until > 0.0:
+                    return False
+                self._watched_until, self._lowest = arrival + NANOSECONDS, delay
+            self._lowest = min(self._lowest, delay)
+        return True
 
     def _take(self, point: Point) -> None:
         """Add a point, and fit anew where that is due."""

@@ -1,5 +1,7 @@
 """A board behind its line, without a port or a clock."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,8 @@ from dead_reckoning.core.accelerometer import UNITS
 from dead_reckoning.core.errors import SettingsError
 from dead_reckoning.core.rest import GRAVITY
 from dead_reckoning.core.rotation import yaw_from_quaternion
-from dead_reckoning.sources.driver import simulated_sensor
+from dead_reckoning.core.samples import NANOSECONDS
+from dead_reckoning.sources.driver import serial_receiver, simulated_sensor
 from dead_reckoning.sources.driver_settings import DriverSettings
 from dead_reckoning.sources.serial.protocols.ascii import AsciiBoard
 from dead_reckoning.tools.emulate.emulator import Emulator, Sensor
@@ -150,3 +153,33 @@ def test_faults_are_on_the_line():
 def test_what_the_driver_could_not_read_is_refused():
     with pytest.raises(SettingsError, match=r'driver\.serial\.ascii\.unit'):
         emulator(serial__ascii__unit='volts', sensor='adxl345')
+
+
+@pytest.mark.parametrize('flip', [0.0, 0.0005])
+@pytest.mark.parametrize(
+    'board',
+    [
+        {'serial__protocol': 'hex', 'adc_bits': 10},
+        {'serial__protocol': 'imu6dof4', 'adc_bits': 10},
+        {'serial__protocol': 'um7', 'sensor': 'um7'},
+        {'serial__protocol': 'witilt3', 'adc_bits': 10},
+    ],
+)
+def test_boards_with_a_clock_are_stamped_when_they_measured(board, flip):
+    """Handed over every 16 ms, bits turned: what is left is a steady part of a frame's time."""
+    made = emulator(Faults(flip=flip), motion='rest', **board)
+    receiver = serial_receiver(configuration(**board))
+    receiver.restart()
+    start_ns, told, stamps = 1_700_000_000 * NANOSECONDS, -math.inf, []
+    for time in np.arange(1, 1250) * 0.016:
+        taken = receiver.take(made.advance(time), start_ns + round(time * NANOSECONDS))
+        stamps += taken.conversions.stamps_ns.tolist()
+        say = receiver.due(time - told)
+        if say:
+            made.hear(say, time)
+            told = time
+    late = (np.array(stamps) - start_ns) % (NANOSECONDS // 100) / NANOSECONDS
+    after = late[500:]
+    assert len(after) > 1000
+    assert np.quantile(np.abs(after - np.median(after)), 0.98) < 1e-5
+    assert 0.0 <= np.median(after) < 0.003

@@ -158,8 +158,8 @@ class ZstarDecoder(Decoder):
             pause = STALLED if self._answer or self._stray else TIMEOUT
         elif self._asked[:1] == b'g':
             pause = SETTLING
-        else:
-            pause = self._period - self._behind
+        else:  # a check of the g-select takes the place of no poll
+            pause = (0.0 if self._asked == b'G' else self._period) - self._behind
         if waited < pause - EARLY:
             return b''
         # What is late makes the next one sooner, so that the rate is kept.

@@ -69,7 +69,7 @@ def test_a_g_select_comes_as_a_digit_or_as_a_number(value):
 )
 def test_what_the_board_measures_is_read_however_it_is_cut(values, sizes, request_):
     talk = Conversation(*pair(request=request_, poll_rate=100.0), sizes)
-    assert readings(talk.run(0.3, values.__getitem__)) == values[2:]
+    assert readings(talk.run(0.3, values.__getitem__)) == values[1:]
     assert errors(talk.events) == []
 
 
@@ -245,7 +245,7 @@ def test_it_is_polled_as_often_as_asked_and_its_range_once_a_second(poll_rate):
     """Though it can be told something only each hundredth of a second."""
     talk = Conversation(*pair(poll_rate=poll_rate))
     talk.run(20.0, LEVEL)
-    assert len(talk.told) == pytest.approx(20.0 * poll_rate, abs=3.0)
+    assert talk.told.count(b'v') == pytest.approx(20.0 * poll_rate, abs=3.0)
     assert 10 <= talk.told.count(b'G') <= 21
 
 

@@ -56,7 +56,7 @@ def test_order_and_sign_are_parameters(settings, values, request_):
 def test_what_the_board_measures_is_read_however_it_is_cut(values, sizes, request_, order, sign):
     settings = {'byte_order': order, 'signed': sign, 'request': request_}
     talk = Conversation(*pair(poll_rate=100.0, **settings), sizes)
-    assert readings(talk.run(0.3, values.__getitem__)) == values[2:]
+    assert readings(talk.run(0.3, values.__getitem__)) == values[1:]
     assert errors(talk.events) == []
 
 
