@@ -6,6 +6,9 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+collect_ignore = ['fake_protocols']
+"""It adds protocols to those of the process that imports it, as only nodes may."""
+
 sys.path.insert(0, str(Path(__file__).parent))
 
 settings.register_profile('repeatable', derandomize=True, database=None, deadline=None)
