@@ -79,8 +79,8 @@ def main(given: argparse.Namespace) -> int:
     except SettingsError as error:
         raise InputError(str(error)) from error
     with Port(given.link) as port:
-        print(port.name, flush=True)
-        try:
+        try:  # from the name on, as whoever reads it may end this at once
+            print(port.name, flush=True)
             run(emulator, port, given.faults.hangup, given.duration)
         finally:
             baud = configuration[SerialSettings].baud
