@@ -8,6 +8,9 @@ from hypothesis import settings
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+# Whoever imports them has these protocols, as pytest would in its search for doctests.
+collect_ignore = ['fake_protocols']
+
 settings.register_profile('repeatable', derandomize=True, database=None, deadline=None)
 settings.load_profile('repeatable')
 
