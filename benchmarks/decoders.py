@@ -1,8 +1,8 @@
 """How fast protocols are read, beside the line they come over: ``python -m benchmarks.decoders``.
 
 Each decoder reads random bytes, and what its board sends on a simulated drive, over and over, in
-pieces as a port gives them; one that polls, answer by answer.  Growth is what it holds more at the
-end than after the first tenth, with another tenth of the bytes.
+pieces as a port gives them; one that polls has asked for each.  Growth is what it holds more at
+the end than after the first tenth, with another tenth of the bytes.
 """
 
 from __future__ import annotations
@@ -42,10 +42,12 @@ MOST_GROWTH = 16 * 1024
 """Most bytes that a decoder may hold more in the end."""
 
 
-def random_pieces(count: int) -> Iterator[bytes]:
-    """Give so many random bytes."""
+def random_pieces(decoder: Decoder, count: int) -> Iterator[bytes]:
+    """Give so many random bytes; a decoder that polls has asked for each piece."""
     random = np.random.default_rng(1)
-    return (random.bytes(PIECE) for _ in range(count // PIECE))
+    for _ in range(count // PIECE):
+        decoder.due(inf)
+        yield random.bytes(PIECE)
 
 
 @cache
@@ -98,7 +100,7 @@ def measured(name: str, what: str, count: int) -> tuple[str, ...]:
         kind = protocols.decoder_class(name)
         decoder = kind(kind.Settings())
         if what == 'random':
-            return decoder, random_pieces(part)
+            return decoder, random_pieces(decoder, part)
         return decoder, good_pieces(name, decoder, part)
 
     size, found, spent = fed(*fresh(count))

@@ -169,9 +169,12 @@ def test_an3397_window_is_three_counts():
     assert configuration[IntegratorSettings].window_minimum == -window
 
 
-@pytest.mark.parametrize('preset', ['zstar', 'witilt3'])
+@pytest.mark.parametrize('preset', ['zstar', 'zstar3', 'witilt3'])
 def test_a_board_that_lies_level_reads_one_g(preset):
-    """Through the bytes of its protocol, to within a count; the window is three of them."""
+    """Through the bytes of its protocol, to within a count.
+
+    The window is three of them, or three sigma of the noise where 16 bits are finer than that.
+    """
     configuration = Configuration.load(CONFIG / f'{preset}.yaml')
     serial_receiver(configuration)  # takes these settings together
     kind, model = decoder_class(preset), configuration[DriverSettings].model()
@@ -183,7 +186,29 @@ def test_a_board_that_lies_level_reads_one_g(preset):
     (values,) = set(readings(talk.events))
     count = model.force_per_count[0]
     assert np.abs(model.force(np.array([values]), np.array(model.zero_g)) - force).max() < count
-    assert configuration[IntegratorSettings].window_maximum == pytest.approx(3.0 * count, abs=1e-3)
+    noise = model.noise / model.sensitivity[0] * GRAVITY
+    window = 3.0 * (noise if preset == 'zstar3' else count)
+    assert configuration[IntegratorSettings].window_maximum == pytest.approx(window, abs=1e-3)
+
+
+def test_the_board_of_an3397_says_where_it_is():
+    """At the origin while it rests, then forward, by the preset alone."""
+    configuration = Configuration.load(CONFIG / 'an3397_board.yaml')
+    receiver = serial_receiver(configuration)
+    board = board_class('an3397')(configuration[decoder_class('an3397').Settings])
+
+    def positions(updates, x):
+        """Return those that come of so many updates, each of 64 conversions with x counts."""
+        taken = Measurement({'counts': (x, 128.0, 190.0)}, 0.0, ZERO, (0.0, 0.0, 0.0, 1.0), ZERO)
+        sent = b''.join(board.measure(taken) for _ in range(64 * updates))
+        return [state.position for state in receiver.take(sent, START_NS).positions]
+
+    resting = positions(50, 128.0)
+    assert len(resting) == 50 - 16
+    assert set(resting) == {ZERO}
+    x, y, _ = positions(10, 148.0)[-1]
+    assert x == pytest.approx(0.5 * 20.0 * 0.158 * 0.1**2, abs=0.0025)
+    assert y == 0.0
 
 
 def navigated(preset, block):

@@ -57,6 +57,23 @@ PRESETS = (
         },
     ),
     Preset(
+        'an3397_board',
+        'The board of Freescale AN3397, which integrates itself: positions on an3397/odom, of '
+        'accelerometer_driver only (docs/devices/an3397.md). Neither the baud rate nor the last '
+        'byte is in the document; nor is the way of a unit, which is best measured.',
+        {
+            'driver.source': 'serial',
+            'driver.sensor': 'mma7260qt',
+            'driver.range_g': 1.5,
+            'driver.adc_bits': 8,
+            'driver.serial.port': '/dev/ttyUSB0',
+            'driver.serial.baud': 9_600,
+            'driver.serial.protocol': 'an3397',
+            'driver.serial.an3397.counts_per_unit': 64,
+            'driver.serial.an3397.end_of_frame': 254,
+        },
+    ),
+    Preset(
         'mbed',
         'The mbed tutorial "Dead Reckoning": an ADXL345 at ±16 g and 3200 Hz, averaged to 100 Hz, '
         'distance along the heading of a compass, logged for 15 s. Run `pipeline` and '
@@ -125,8 +142,7 @@ PRESETS = (
     Preset(
         'zstar',
         'A Freescale ZSTAR (RD3152MMA7260Q), polled through its USB stick: 8 bits at ±1.5 g, '
-        '16.1 mg a count, three of them the window as in AN3397 (docs/devices/zstar.md). As '
-        'comments: a ZSTAR3, with a window of three times the noise of a reading. Another '
+        '16.1 mg a count, three of them the window as in AN3397 (docs/devices/zstar.md). Another '
         'range goes into both range_g.',
         {
             'driver.source': 'serial',
@@ -142,11 +158,32 @@ PRESETS = (
             'integrator.window_maximum': 0.474,
             'pipeline.source': 'serial',
         },
-        other={
+    ),
+    Preset(
+        'zstar3',
+        'A Freescale ZSTAR3, polled through its USB stick: 16 bits at ±1.5 g. A count is finer '
+        'than the noise of the sensor, 0.058 m/s², three of which are the window '
+        '(docs/devices/zstar.md). Another range goes into both range_g. As comments the order of '
+        'the bytes and the sign that were not chosen; neither is confirmed.',
+        {
+            'driver.source': 'serial',
+            'driver.sensor': 'mma7260qt',
+            'driver.range_g': 1.5,
             'driver.adc_bits': 16,
+            'driver.calibration_samples': 256,
+            'driver.serial.port': '/dev/ttyACM0',
             'driver.serial.protocol': 'zstar3',
+            'driver.serial.zstar3.range_g': 1.5,
+            'driver.serial.zstar3.poll_rate': 50.0,
+            'driver.serial.zstar3.byte_order': 'big',
+            'driver.serial.zstar3.signed': True,
             'integrator.window_minimum': -0.173,
             'integrator.window_maximum': 0.173,
+            'pipeline.source': 'serial',
+        },
+        other={
+            'driver.serial.zstar3.byte_order': 'little',
+            'driver.serial.zstar3.signed': False,
         },
     ),
     Preset(

@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-collect_ignore = ['fake_protocols']
-"""It adds protocols to those of the process that imports it, as only nodes may."""
-
 sys.path.insert(0, str(Path(__file__).parent))
+
+# Whoever imports them has these protocols, as pytest would in its search for doctests.
+collect_ignore = ['fake_protocols']
 
 settings.register_profile('repeatable', derandomize=True, database=None, deadline=None)
 settings.load_profile('repeatable')

@@ -26,7 +26,8 @@ class HexDecoder(LineDecoder):
     """Read lines ``AAAAXXXYYYZZZ``: a number that runs by 1 a line, and counts of x, y, z.
 
     A line is a reading only if it is thirteen digits, and no count is above 10 bits.  The running
-    number is unwrapped to the nearest: a disturbed one is wrong alone, and does not count a turn.
+    number is unwrapped to the nearest.  A disturbed one makes the clock go back, once or with the
+    line behind it, and what fits it starts anew.
     """
 
     Settings: ClassVar[type[Settings]] = HexSettings

@@ -1,9 +1,12 @@
-"""Laws that every protocol keeps, whatever bytes come."""
+"""Laws that every protocol keeps, whatever bytes come: any, and those of its board, damaged."""
 
 import math
 import pickle
+from collections import deque
+from copy import deepcopy
 
 import pytest
+from conversation import Conversation, measured
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -11,34 +14,17 @@ from dead_reckoning.configuration import DRIVER
 from dead_reckoning.core.accelerometer import UNITS
 from dead_reckoning.core.errors import ReadingError
 from dead_reckoning.sources.serial import protocols
-from dead_reckoning.sources.serial.protocols import Reading
+from dead_reckoning.sources.serial.protocols import Position, Reading
 
 NAMES = protocols.names()
 MOST_MEMORY = 4096
 """Bytes that a decoder may take, pickled, after any input."""
 
-nearly_good = st.lists(
-    st.sampled_from(
-        [
-            b'\n',
-            b'\r',
-            b'1,2,3\n',
-            b'-4.5,6e2,.7\r\n',
-            b',',
-            b'1',
-            b' ',
-            b'\xff',
-            b'\0',
-            b'X:',
-            b'e',
-            b'00FF1FF2003FA\r\n',
-            b'\x86\x00\x22\x53\x7f',
-        ]
-    ),
-    max_size=60,
-).map(b''.join)
-streams = st.binary(max_size=600) | nearly_good
-chunks = st.lists(st.binary(max_size=80) | nearly_good, max_size=12)
+COUNTS = (130.0, 126.0, 190.0)
+"""What the boards measure."""
+
+OTHER = 4
+"""Bytes of the longest message that is no reading, once they come: a greeting, a range."""
 
 
 def decoder(name):
@@ -46,13 +32,59 @@ def decoder(name):
     return found(found.Settings())
 
 
+def begun(name):
+    """Return a conversation of a decoder and its board, in which readings come."""
+    board = protocols.board_class(name)(protocols.decoder_class(name).Settings())
+    talk = Conversation(decoder(name), board)
+    talk.run(1.5, COUNTS)
+    assert isinstance(talk.events[-1], (Reading, Position))
+    return talk
+
+
+BEGUN = {name: begun(name) for name in NAMES}
+MESSAGES = {name: [data for _, data in BEGUN[name].sent] for name in NAMES}
+
+LINES = [
+    b'\n',
+    b'\r',
+    b'1,2,3\n',
+    b'-4.5,6e2,.7\r\n',
+    b',',
+    b'1',
+    b' ',
+    b'\xff',
+    b'\0',
+    b'X:',
+    b'e',
+]
+SENT = {data for sent in MESSAGES.values() for data in (*sent[:3], *sent[-3:])}
+fragments = st.sampled_from(LINES + sorted(SENT))
+pieces = fragments | st.builds(
+    lambda data, k: data[k % len(data) :], fragments, st.integers(0, 30)
+)
+nearly_good = st.lists(pieces, max_size=40).map(b''.join)
+streams = st.binary(max_size=600) | nearly_good
+chunks = st.lists(st.binary(max_size=80) | nearly_good, max_size=12)
+changes = st.lists(
+    st.tuples(st.integers(0, 99), st.integers(0, 9), st.none() | st.binary(max_size=40)),
+    min_size=1,
+    max_size=3,
+)
+"""Where a message is changed, how many bytes, and what they become; None for twice the same."""
+
+
+def changed(data, how):
+    """Return a message with some bytes lost, turned, doubled or put in."""
+    for place, length, instead in how:
+        at = place % (len(data) + 1)
+        old = data[at : at + length]
+        data = data[:at] + (2 * old if instead is None else instead) + data[at + length :]
+    return data
+
+
 def seen(events):
     """Return events so that equal ones compare equal."""
     return [e if isinstance(e, Reading) else (type(e), str(e)) for e in events]
-
-
-def test_ascii_is_found():
-    assert 'ascii' in NAMES
 
 
 @pytest.mark.parametrize('name', NAMES)
@@ -76,32 +108,71 @@ def test_however_the_bytes_are_cut_the_events_are_the_same(name, parts):
 
 
 @pytest.mark.parametrize('name', NAMES)
-@given(streams, st.booleans(), streams)
-def test_any_bytes_give_finite_readings_and_errors_with_words(name, first, restart, second):
-    read = decoder(name)
-    events = read.feed(first)
-    events += read.restart() if restart else []
-    events += read.feed(second)
-    for event in events:
-        if isinstance(event, Reading):
-            assert len(event.values) == 3
-            assert all(type(v) is float and math.isfinite(v) for v in event.values)
-        else:
-            assert isinstance(event, ReadingError)
-            assert 10 < len(str(event)) < 300
-            assert str(event).isprintable()
-    starts = [event.start for event in events if isinstance(event, Reading)]
-    assert starts == sorted(set(starts))
-    assert all(0 <= start < len(first + second) for start in starts)
+@given(st.lists(changes | st.just([]), min_size=1, max_size=12), st.integers(1, 12))
+def test_however_a_damaged_conversation_is_cut_it_is_the_same(name, damages, size):
+    said = []
+    for sizes in ([10_000], [1], [size, 3]):
+        talk, left = deepcopy(BEGUN[name]), iter(damages)
+        talk.damage = lambda data, left=left: changed(data, next(left, []))
+        talk.sizes = deque(sizes)
+        talk.run(0.5, COUNTS)
+        assert len(pickle.dumps(talk.decoder)) < MOST_MEMORY
+        said.append((talk.told, [repr(event) for event in talk.events]))
+    assert said[0] == said[1] == said[2]
 
 
 @pytest.mark.parametrize('name', NAMES)
-@pytest.mark.parametrize('filling', [b'1', b',', b'\xff', b' ', b'\n', b'1,2,3\n', b'\r\n'])
-def test_memory_is_bounded(name, filling):
+@given(st.lists(changes, min_size=1, max_size=3))
+def test_from_the_third_message_after_damage_on_all_are_read(name, damages):
+    """With the values that the board measured, as soon as the one behind has come."""
+    talk, left = deepcopy(BEGUN[name]), iter(damages)
+    talk.damage = lambda data: changed(data, next(left, []))
+    del talk.sent[:], talk.events[:]
+    talk.run(1.0, COUNTS)
+    whole = [(at, data) for at, data in talk.sent[len(damages) + 2 : -1] if len(data) > OTHER]
+    assert len(whole) > 15
+    found = {event.start: event for event in talk.events if not isinstance(event, ReadingError)}
+    for at, data in whole:
+        (event,) = [found[start] for start in range(at, at + len(data)) if start in found]
+        if isinstance(event, Reading):
+            assert event.values == pytest.approx(measured(COUNTS).values[talk.decoder.unit])
+
+
+@pytest.mark.parametrize('name', NAMES)
+@given(st.lists(streams, max_size=4), st.booleans())
+def test_any_bytes_give_finite_readings_and_errors_with_words(name, parts, restart):
     read = decoder(name)
-    for _ in range(100):
-        read.feed(filling * (10_000 // len(filling)))
-        assert len(pickle.dumps(read)) < MOST_MEMORY
+    events = []
+    for part in parts:
+        read.due(math.inf)
+        events += read.feed(part)
+        events += read.restart() if restart else []
+    for event in events:
+        if isinstance(event, ReadingError):
+            assert 10 < len(str(event)) < 400
+            assert str(event).isprintable()
+            continue
+        values = event.values if isinstance(event, Reading) else (event.x, event.y)
+        assert len(values) == (3 if isinstance(event, Reading) else 2)
+        assert all(type(value) is float and math.isfinite(value) for value in values)
+    starts = [event.start for event in events if not isinstance(event, ReadingError)]
+    assert starts == sorted(set(starts))
+    assert all(0 <= start < sum(map(len, parts)) for start in starts)
+
+
+FILLINGS = [b'1', b',', b'\xff', b' ', b'\n', b'1,2,3\n', b'\r\n']
+
+
+@pytest.mark.parametrize('name', NAMES)
+def test_memory_is_bounded(name):
+    """Of a message too that comes for ever, or of which only the beginning does."""
+    message = MESSAGES[name][-1]
+    for filling in (*FILLINGS, message, message[:-1]):
+        read = decoder(name)
+        for _ in range(30):
+            read.due(math.inf)
+            read.feed(filling * (10_000 // len(filling)))
+            assert len(pickle.dumps(read)) < MOST_MEMORY
 
 
 @pytest.mark.parametrize('name', NAMES)
