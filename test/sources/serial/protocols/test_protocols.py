@@ -66,11 +66,16 @@ nearly_good = st.lists(pieces, max_size=40).map(b''.join)
 streams = st.binary(max_size=600) | nearly_good
 chunks = st.lists(st.binary(max_size=80) | nearly_good, max_size=12)
 changes = st.lists(
-    st.tuples(st.integers(0, 99), st.integers(0, 9), st.none() | st.binary(max_size=40)),
+    st.tuples(
+        st.integers(0, 99),
+        st.integers(0, 9),
+        st.none() | st.integers(1, 255) | st.binary(max_size=40),
+    ),
     min_size=1,
     max_size=3,
 )
-"""Where a message is changed, how many bytes, and what they become; None for twice the same."""
+"""Where a message is changed, how many bytes, and what they become: None for twice the same, a
+number for the bits that are turned in the first of them."""
 
 
 def changed(data, how):
@@ -78,7 +83,11 @@ def changed(data, how):
     for place, length, instead in how:
         at = place % (len(data) + 1)
         old = data[at : at + length]
-        data = data[:at] + (2 * old if instead is None else instead) + data[at + length :]
+        if instead is None:
+            instead = 2 * old
+        elif isinstance(instead, int):
+            instead = bytes(byte ^ instead for byte in old[:1]) + old[1:]
+        data = data[:at] + instead + data[at + length :]
     return data
 
 
