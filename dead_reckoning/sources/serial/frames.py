@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import ClassVar
 
 from dead_reckoning.core.errors import CutError, FrameError, ReadingError
@@ -75,10 +76,10 @@ class Frames(Decoder):
             events.append(self._skipped)
             self._skipped = None
 
+    @abstractmethod
     def _read(self, data: bytes, at: int, events: list[Event]) -> int | None:
         """Read a frame that begins at a place of ``data``; add what it says to ``events``.
 
         Returns its length, 0 if there is none, None if that takes more bytes to tell.  What it
         decides must not depend on the bytes beyond those it needs.
         """
-        raise NotImplementedError
