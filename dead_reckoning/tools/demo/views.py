@@ -135,7 +135,13 @@ class InPlane:
 
     def draw(self, name: str, recording: Recording, folder: Path) -> list[Path]:
         """Draw the way in the plane, and its distance from the truth over time."""
-        return _draw_way(name, recording, ODOMETRY, folder)
+        from dead_reckoning.tools.demo import plots
+
+        truth, estimate = recording.truth, recording.track(ODOMETRY)
+        error = plots.save(
+            folder / f'{name}-error.png', lambda axes: plots.error(axes, truth, estimate)
+        )
+        return [_draw_way(name, recording, ODOMETRY, folder), error]
 
     def remark(self, recording: Recording) -> str:
         """Compare the error at the end with the published deviation."""
@@ -184,7 +190,7 @@ class OnFoot:
         picture = plots.save(
             folder / f'{name}-steps.png', lambda axes: plots.steps(axes, self.steps.times, counted)
         )
-        return [picture, *_draw_way(name, recording, STEP_ODOMETRY, folder)[:1]]
+        return [picture, _draw_way(name, recording, STEP_ODOMETRY, folder)]
 
     def remark(self, recording: Recording) -> str:
         """Compare the error at the end with the published deviation."""
@@ -212,14 +218,13 @@ def _end_of(truth: Track, estimate: Track, digits: int = 4) -> list[Row]:
     ]
 
 
-def _draw_way(name: str, recording: Recording, topic: str, folder: Path) -> list[Path]:
+def _draw_way(name: str, recording: Recording, topic: str, folder: Path) -> Path:
     from dead_reckoning.tools.demo import plots
 
     truth, estimate = recording.truth, recording.track(topic)
-    return [
-        plots.save(folder / f'{name}-way.png', lambda axes: plots.way(axes, truth, estimate), 4.6),
-        plots.save(folder / f'{name}-error.png', lambda axes: plots.error(axes, truth, estimate)),
-    ]
+    return plots.save(
+        folder / f'{name}-way.png', lambda axes: plots.way(axes, truth, estimate), 4.6
+    )
 
 
 def _of_attitude(error: float, deviation: float) -> str:
